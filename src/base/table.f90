@@ -1,0 +1,63 @@
+!> Piecewise linear functions of time, by which loads and motions are scheduled.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_base_table
+   use coulter_base_kinds, only: wp
+   implicit none(type, external)
+   private
+   public :: table_type, new_table
+
+   !> A factor that varies with time: linear between the given times, constant beyond them.
+   type :: table_type
+      !> Name by which loads refer to the table.
+      character(len=:), allocatable :: name
+      !> Times, strictly increasing, shape (n).
+      real(wp), allocatable :: time(:)
+      !> Factors at these times, shape (n).
+      real(wp), allocatable :: value(:)
+   contains
+      procedure :: at => table_at
+   end type table_type
+
+contains
+
+   !> Make a table from its columns.
+   pure subroutine new_table(table, name, time, value)
+      !> Table to make.
+      type(table_type), intent(out) :: table
+      !> Name of the table.
+      character(len=*), intent(in) :: name
+      !> Times, strictly increasing, at least one, shape (n).
+      real(wp), intent(in) :: time(:)
+      !> Factors, shape (n).
+      real(wp), intent(in) :: value(:)
+
+      table%name = name
+      table%time = time
+      table%value = value
+   end subroutine new_table
+
+   !> Factor at a time.
+   pure function table_at(self, time) result(value)
+      class(table_type), intent(in) :: self
+      !> Time at which the factor is wanted.
+      real(wp), intent(in) :: time
+      real(wp) :: value
+      real(wp) :: share
+      integer :: i, n
+
+      n = size(self%time)
+      if (time <= self%time(1)) then
+         value = self%value(1)
+         return
+      end if
+      do i = 2, n
+         if (time <= self%time(i)) then
+            share = (time - self%time(i - 1))/(self%time(i) - self%time(i - 1))
+            value = (1.0_wp - share)*self%value(i - 1) + share*self%value(i)
+            return
+         end if
+      end do
+      value = self%value(n)
+   end function table_at
+
+end module coulter_base_table

@@ -1,0 +1,40 @@
+!> Essential boundaries that need not match the grid: a polyline and how it holds the material.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_boundary
+   use coulter_base_kinds, only: wp
+   implicit none(type, external)
+   private
+   public :: boundary_type, kind_roller, kind_fixed
+
+   !> Only the displacement along the normal is prescribed.
+   integer, parameter :: kind_roller = 1
+   !> Both components of the displacement are prescribed.
+   integer, parameter :: kind_fixed = 2
+
+   !> A chain of straight segments with the material on the left of each, at which the
+   !> displacement is prescribed by the Implicit Boundary Method (theory, section 3).
+   type :: boundary_type
+      !> Name under which reactions are reported.
+      character(len=:), allocatable :: name
+      !> `kind_roller` or `kind_fixed`.
+      integer :: kind = kind_roller
+      !> Current corners of the polyline, length units, shape (2, n_segments + 1).
+      real(wp), allocatable :: vertices(:, :)
+      !> Total prescribed displacement at a table value of 1, length units. The boundary moves with
+      !> it; a roller prescribes only the normal part.
+      real(wp) :: displacement(2) = 0.0_wp
+      !> Number of the table that schedules the displacement; 0: proportional to time.
+      integer :: table = 0
+      !> Width delta of the Dirichlet band over the grid spacing h.
+      real(wp) :: band_ratio = 5.0e-6_wp
+      !> Gauss points per piece of segment in a cell: 1 to 3.
+      integer :: n_gauss = 1
+      !> Is the coupling term K2 of the paper kept beside the penalty K3?
+      logical :: has_coupling_term = .true.
+      !> Are tractions remembered from step to step, so that held steps do not drift?
+      logical :: has_memory = .false.
+      !> May the boundary start away from all material?
+      logical :: may_start_apart = .false.
+   end type boundary_type
+
+end module coulter_boundary

@@ -1,0 +1,112 @@
+!> Isotropic Hencky elasticity: Kirchhoff stress linear in the logarithmic strain.
+!>
+!> Hencky, H. (1928), Z. techn. Phys. 9, 215-220; for soils with large strain: theory, section 1.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_law_hencky
+   use coulter_base_error, only: error_type, fatal_error
+   use coulter_base_kinds, only: wp
+   use coulter_law_abstract, only: law_type, n_plane
+   implicit none(type, external)
+   private
+   public :: hencky_type, new_hencky
+
+   !> tau = lambda tr(eps) 1 + 2 G eps.
+   type, extends(law_type) :: hencky_type
+      !> First Lame parameter, stress units.
+      real(wp) :: lame_lambda = 0.0_wp
+      !> Shear modulus, stress units.
+      real(wp) :: shear_modulus = 0.0_wp
+   contains
+      procedure :: update => update_hencky
+      procedure :: elastic_moduli => hencky_moduli
+      procedure :: elastic_strain => hencky_strain
+   end type hencky_type
+
+contains
+
+   !> Make the law from engineering constants.
+   pure subroutine new_hencky(law, name, youngs_modulus, poisson_ratio, error)
+      !> Law to make.
+      type(hencky_type), intent(out) :: law
+      !> Name by which bodies refer to it.
+      character(len=*), intent(in) :: name
+      !> Young's modulus E > 0, stress units.
+      real(wp), intent(in) :: youngs_modulus
+      !> Poisson's ratio, -1 < nu < 0.5.
+      real(wp), intent(in) :: poisson_ratio
+      !> Set when a constant is out of range.
+      type(error_type), allocatable, intent(out) :: error
+
+      if (.not. youngs_modulus > 0.0_wp) then
+         call fatal_error(error, "law "//name//": Young's modulus must be positive")
+      else if (.not. (poisson_ratio > -1.0_wp .and. poisson_ratio < 0.5_wp)) then
+         call fatal_error(error, "law "//name//": Poisson's ratio must lie between -1 and 0.5")
+      end if
+      if (allocated(error)) return
+      law%name = name
+      law%shear_modulus = youngs_modulus/(2.0_wp*(1.0_wp + poisson_ratio))
+      law%lame_lambda = youngs_modulus*poisson_ratio &
+         /((1.0_wp + poisson_ratio)*(1.0_wp - 2.0_wp*poisson_ratio))
+   end subroutine new_hencky
+
+   !> See `law_type`; the update of an elastic law is a matrix product.
+   pure subroutine update_hencky(self, trial_strain, state, stress, tangent, strain, &
+                                 new_state, has_failed)
+      class(hencky_type), intent(in) :: self
+      !> Logarithmic elastic trial strain.
+      real(wp), intent(in) :: trial_strain(n_plane)
+      !> State variables: none.
+      real(wp), intent(in) :: state(self%n_state)
+      !> Kirchhoff stress.
+      real(wp), intent(out) :: stress(n_plane)
+      !> Elastic stiffness.
+      real(wp), intent(out) :: tangent(n_plane, n_plane)
+      !> The trial strain.
+      real(wp), intent(out) :: strain(n_plane)
+      !> State variables: none.
+      real(wp), intent(out) :: new_state(self%n_state)
+      !> Always false.
+      logical, intent(out) :: has_failed
+      integer :: i
+
+      tangent = 0.0_wp
+      tangent(:3, :3) = self%lame_lambda
+      do i = 1, 3
+         tangent(i, i) = self%lame_lambda + 2.0_wp*self%shear_modulus
+      end do
+      tangent(4, 4) = self%shear_modulus
+      stress(:3) = self%lame_lambda*sum(trial_strain(:3)) &
+         + 2.0_wp*self%shear_modulus*trial_strain(:3)
+      stress(4) = self%shear_modulus*trial_strain(4)
+      strain = trial_strain
+      new_state = state
+      has_failed = .false.
+   end subroutine update_hencky
+
+   !> See `law_type`.
+   pure subroutine hencky_moduli(self, lame_lambda, shear_modulus)
+      class(hencky_type), intent(in) :: self
+      !> First Lame parameter.
+      real(wp), intent(out) :: lame_lambda
+      !> Shear modulus.
+      real(wp), intent(out) :: shear_modulus
+
+      lame_lambda = self%lame_lambda
+      shear_modulus = self%shear_modulus
+   end subroutine hencky_moduli
+
+   !> See `law_type`: eps = (tau - lambda/(3 lambda + 2 G) tr(tau) 1)/(2 G).
+   pure function hencky_strain(self, stress) result(strain)
+      class(hencky_type), intent(in) :: self
+      !> Kirchhoff stress.
+      real(wp), intent(in) :: stress(n_plane)
+      !> Logarithmic elastic strain.
+      real(wp) :: strain(n_plane)
+      real(wp) :: share
+
+      share = self%lame_lambda/(3.0_wp*self%lame_lambda + 2.0_wp*self%shear_modulus)
+      strain(:3) = (stress(:3) - share*sum(stress(:3)))/(2.0_wp*self%shear_modulus)
+      strain(4) = stress(4)/self%shear_modulus
+   end function hencky_strain
+
+end module coulter_law_hencky

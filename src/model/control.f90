@@ -1,0 +1,39 @@
+!> Settings of the time loop and of the equilibrium iteration.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_model_control
+   use coulter_base_kinds, only: wp
+   implicit none(type, external)
+   private
+   public :: schedule_type, control_type, small_cells_keep, small_cells_drop, small_cells_aggregate
+
+   !> Cells with little material are treated like all others.
+   integer, parameter :: small_cells_keep = 1
+   !> Cells with little material are left out, together with their points and boundaries.
+   integer, parameter :: small_cells_drop = 2
+   !> The outer nodes of cells with little material follow those of the nearest well-filled cell.
+   integer, parameter :: small_cells_aggregate = 3
+
+   !> The load steps: time is a parameter that orders them, 0 at the start.
+   type :: schedule_type
+      !> Time at the end of every step, increasing, > 0, shape (n_steps).
+      real(wp), allocatable :: end_time(:)
+   end type schedule_type
+
+   !> How a step is solved.
+   type :: control_type
+      !> Largest accepted residual norm over the norm of the internal or external force.
+      real(wp) :: tolerance = 1.0e-8_wp
+      !> Largest accepted Newton correction over the largest displacement increment of the step;
+      !> passing this test alone is enough.
+      real(wp) :: increment_tolerance = 1.0e-11_wp
+      !> Newton iterations before a step counts as failed.
+      integer :: max_iterations = 25
+      !> How often a failed step may be halved.
+      integer :: max_halvings = 6
+      !> What happens to cells with little material: one of `small_cells_*`.
+      integer :: small_cells = small_cells_aggregate
+      !> Volume fraction below which a cell has little material.
+      real(wp) :: fill_tolerance = 0.1_wp
+   end type control_type
+
+end module coulter_model_control

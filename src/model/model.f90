@@ -1,0 +1,96 @@
+!> The whole scene as plain values: grid, points, laws, boundaries, loads and control settings.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_model
+   use coulter_base_kinds, only: wp
+   use coulter_base_table, only: table_type
+   use coulter_boundary, only: boundary_type
+   use coulter_grid, only: grid_type
+   use coulter_law, only: law_item_type
+   use coulter_model_control, only: control_type, schedule_type
+   use coulter_points, only: points_type
+   use coulter_points_body, only: body_type
+   implicit none(type, external)
+   private
+   public :: model_type, fixity_type, units_type, body_force_type
+   public :: load_factor
+
+   !> Labels for logs and plots; Coulter computes in any consistent units.
+   type :: units_type
+      !> Label of lengths, such as "mm".
+      character(len=:), allocatable :: length
+      !> Label of stresses, such as "MPa".
+      character(len=:), allocatable :: stress
+      !> Label of forces, such as "N"; plane-strain forces are per unit length of thickness.
+      character(len=:), allocatable :: force
+   end type units_type
+
+   !> Zero displacement at the grid nodes in a box.
+   type :: fixity_type
+      !> Name under which the reaction is reported.
+      character(len=:), allocatable :: name
+      !> Lower corner of the box, length units, shape (n_dim).
+      real(wp), allocatable :: lower(:)
+      !> Upper corner of the box, length units, shape (n_dim).
+      real(wp), allocatable :: upper(:)
+      !> Which displacement components are held, shape (n_dim).
+      logical, allocatable :: is_held(:)
+   end type fixity_type
+
+   !> A force per unit mass, the same everywhere.
+   type :: body_force_type
+      !> Acceleration at a table value of 1, length per time squared, shape (2).
+      real(wp) :: acceleration(2) = 0.0_wp
+      !> Number of the table that schedules it; 0: proportional to time up to the last step.
+      integer :: table = 0
+   end type body_force_type
+
+   !> A scene: what is computed, and nothing about files.
+   type :: model_type
+      !> One line that describes the scene.
+      character(len=:), allocatable :: title
+      !> Labels of the units.
+      type(units_type) :: units
+      !> Background grid.
+      type(grid_type) :: grid
+      !> Constitutive laws.
+      type(law_item_type), allocatable :: laws(:)
+      !> Bodies, as described by the user.
+      type(body_type), allocatable :: bodies(:)
+      !> Conforming boundary conditions on grid nodes.
+      type(fixity_type), allocatable :: fixities(:)
+      !> Implicit boundaries.
+      type(boundary_type), allocatable :: boundaries(:)
+      !> Tables that schedule loads.
+      type(table_type), allocatable :: tables(:)
+      !> Gravity or another acceleration.
+      type(body_force_type) :: body_force
+      !> Load steps.
+      type(schedule_type) :: schedule
+      !> Solution settings.
+      type(control_type) :: control
+      !> Material points, made from the bodies.
+      type(points_type) :: points
+      !> Time reached so far.
+      real(wp) :: time = 0.0_wp
+   end type model_type
+
+contains
+
+   !> Factor of a load at a time: from its table, or a ramp from 0 to 1 over the whole schedule.
+   pure function load_factor(model, table, time) result(factor)
+      !> Scene with tables and schedule.
+      type(model_type), intent(in) :: model
+      !> Number of the table, or 0 for the ramp.
+      integer, intent(in) :: table
+      !> Time, between 0 and the end of the last step.
+      real(wp), intent(in) :: time
+      real(wp) :: factor
+
+      if (table > 0) then
+         factor = model%tables(table)%at(time)
+      else
+         factor = time/model%schedule%end_time(size(model%schedule%end_time))
+      end if
+   end function load_factor
+
+end module coulter_model

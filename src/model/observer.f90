@@ -1,0 +1,124 @@
+!> How a run tells the outside world what happens, without knowing of files or terminals.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_model_observer
+   use coulter_base_error, only: error_type
+   use coulter_base_kinds, only: long, wp
+   use coulter_model, only: model_type
+   implicit none(type, external)
+   private
+   public :: observer_type, observer_item_type, step_report_type, scene_report_type
+   public :: n_phases, phase_names
+
+   !> Number of timed phases of a run.
+   integer, parameter :: n_phases = 7
+   !> Names of the timed phases, in the order of their index.
+   character(len=*), parameter :: phase_names(n_phases) = [character(len=9) :: &
+      "locate", "number", "assemble", "factorise", "solve", "accept", "output"]
+
+   !> Facts about the scene before the first step.
+   type :: scene_report_type
+      !> Material points.
+      integer :: n_points = 0
+      !> Cells of the whole grid.
+      integer(long) :: n_grid_cells = 0
+      !> Cells that hold material or carry a boundary.
+      integer :: n_cells = 0
+      !> Nodes of these cells.
+      integer :: n_nodes = 0
+      !> Unknowns of the linear system.
+      integer :: n_dofs = 0
+      !> Entries of the sparse matrix.
+      integer :: n_entries = 0
+      !> Bytes that points, cells, pattern and matrix occupy.
+      integer(long) :: memory = 0
+   end type scene_report_type
+
+   !> What happened in an accepted step, or in the part of one that halving made of it.
+   type :: step_report_type
+      !> Number of the load step, from 1.
+      integer :: step = 0
+      !> Is this the end of the load step (false for a part that is followed by others)?
+      logical :: is_complete = .true.
+      !> Time at the end of the step.
+      real(wp) :: time = 0.0_wp
+      !> Time over the time of the last step: 1 at the end of the run.
+      real(wp) :: load_factor = 0.0_wp
+      !> Size of the step in time.
+      real(wp) :: time_increment = 0.0_wp
+      !> Newton iterations: linear solves.
+      integer :: n_iterations = 0
+      !> Failed attempts that led to this step size.
+      integer :: n_halvings = 0
+      !> Relative residual before every iteration and at the end, shape (n_iterations + 1).
+      real(wp), allocatable :: residuals(:)
+      !> Force of every boundary on the body, force per thickness, shape (2, n_boundaries).
+      real(wp), allocatable :: boundary_reactions(:, :)
+      !> Force of every fixity on the body, force per thickness, shape (2, n_fixities).
+      real(wp), allocatable :: fixity_reactions(:, :)
+      !> Deepest point behind every boundary, length units, 0 if none, shape (n_boundaries).
+      real(wp), allocatable :: penetrations(:)
+      !> Length of every boundary that acts on material, length units, shape (n_boundaries).
+      real(wp), allocatable :: loaded_lengths(:)
+      !> Total body force on the material, force per thickness, shape (2).
+      real(wp) :: body_force(2) = 0.0_wp
+      !> Cells, nodes and unknowns in this step.
+      integer :: n_cells = 0, n_nodes = 0, n_dofs = 0
+      !> Was the sparsity pattern of the previous step used again?
+      logical :: has_reused_pattern = .false.
+      !> Wall time of this step by phase, seconds, failed attempts included.
+      real(wp) :: phase_seconds(n_phases) = 0.0_wp
+      !> Remarks that the user should see, one per line; empty if none.
+      character(len=:), allocatable :: warnings
+   end type step_report_type
+
+   !> Somebody who watches a run: a results file, a log, a coupled program.
+   type, abstract :: observer_type
+   contains
+      procedure(start_interface), deferred :: start
+      procedure(step_interface), deferred :: step_done
+      procedure(finish_interface), deferred :: finish
+   end type observer_type
+
+   !> An observer of any kind, to be kept in arrays.
+   type :: observer_item_type
+      !> The observer.
+      class(observer_type), allocatable :: observer
+   end type observer_item_type
+
+   abstract interface
+      !> Called once with the model in its initial state.
+      subroutine start_interface(self, model, scene, error)
+         import :: error_type, model_type, observer_type, scene_report_type
+         class(observer_type), intent(inout) :: self
+         !> The model at time 0.
+         type(model_type), intent(in) :: model
+         !> Facts about the scene.
+         type(scene_report_type), intent(in) :: scene
+         !> Set to end the run.
+         type(error_type), allocatable, intent(out) :: error
+      end subroutine start_interface
+
+      !> Called after every accepted step or part of a step.
+      subroutine step_interface(self, model, report, error)
+         import :: error_type, model_type, observer_type, step_report_type
+         class(observer_type), intent(inout) :: self
+         !> The model at the end of the step.
+         type(model_type), intent(in) :: model
+         !> What happened.
+         type(step_report_type), intent(in) :: report
+         !> Set to end the run.
+         type(error_type), allocatable, intent(out) :: error
+      end subroutine step_interface
+
+      !> Called once at the end, also after a failure.
+      subroutine finish_interface(self, model, failure)
+         import :: error_type, model_type, observer_type
+         class(observer_type), intent(inout) :: self
+         !> The model as it was last accepted.
+         type(model_type), intent(in) :: model
+         !> Why the run ended early; unallocated when it reached its end.
+         type(error_type), allocatable, intent(in) :: failure
+      end subroutine finish_interface
+   end interface
+
+end module coulter_model_observer

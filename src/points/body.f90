@@ -1,0 +1,31 @@
+!> Bodies as the user describes them: regions of one material, to be filled with points.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_points_body
+   use coulter_base_kinds, only: wp
+   implicit none(type, external)
+   private
+   public :: region_type, body_type
+
+   !> A simple polygon, convex or not.
+   type :: region_type
+      !> Corners in counter-clockwise order, length units, shape (2, n).
+      real(wp), allocatable :: vertices(:, :)
+   end type region_type
+
+   !> A solid of one law. Its regions must not overlap each other nor those of other bodies.
+   type :: body_type
+      !> Name by which regions and messages refer to the body.
+      character(len=:), allocatable :: name
+      !> Number of its law in the model.
+      integer :: law = 0
+      !> Mass per unit volume of the undeformed body, >= 0.
+      real(wp) :: density = 0.0_wp
+      !> Points per cell in each direction.
+      integer :: points_per_cell = 2
+      !> Uniform Cauchy stress at the start: xx, yy, zz, xy, tension positive, stress units.
+      real(wp) :: initial_stress(4) = 0.0_wp
+      !> What the body fills.
+      type(region_type), allocatable :: regions(:)
+   end type body_type
+
+end module coulter_points_body
