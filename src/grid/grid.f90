@@ -63,7 +63,7 @@ contains
       class(grid_type), intent(in) :: self
       real(wp) :: position(self%n_dim)
 
-      position = self%origin + self%n_cells*self%spacing
+      position = self%origin + real(self%n_cells, wp)*self%spacing
    end function upper_corner
 
    !> Position of a node, shape (n_dim).
@@ -73,7 +73,7 @@ contains
       integer, intent(in) :: node(self%n_dim)
       real(wp) :: position(self%n_dim)
 
-      position = self%origin + (node - 1)*self%spacing
+      position = self%origin + real(node - 1, wp)*self%spacing
    end function node_position
 
    !> Cell that holds a position, shape (n_dim); a position on the upper faces of the grid belongs
