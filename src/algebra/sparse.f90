@@ -1,0 +1,208 @@
+!> Sparse matrices in compressed columns, and the map by which element matrices enter them.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_algebra_sparse
+   use, intrinsic :: iso_c_binding, only: c_int
+   use coulter_base_kinds, only: wp
+   implicit none(type, external)
+   private
+   public :: element_dofs_type, pattern_type, build_pattern, add_element_matrix, multiply
+
+   !> The unknowns that every element couples, in ragged rows.
+   type :: element_dofs_type
+      !> Number of elements.
+      integer :: n_elements = 0
+      !> First entry of every element in `dof`, shape (n_elements + 1).
+      integer, allocatable :: start(:)
+      !> Unknowns from 1, or 0 for a degree of freedom that is not unknown, shape (n_entries).
+      integer, allocatable :: dof(:)
+   end type element_dofs_type
+
+   !> Sparsity pattern of a square matrix, zero-based as the C solvers want it.
+   type :: pattern_type
+      !> Number of rows and columns.
+      integer :: n = 0
+      !> Number of entries.
+      integer :: n_entries = 0
+      !> First entry of every column, zero-based, shape (n + 1).
+      integer(c_int), allocatable :: column_start(:)
+      !> Row of every entry, zero-based, ascending in each column, shape (n_entries).
+      integer(c_int), allocatable :: row(:)
+      !> First value of every element in `slot`, shape (n_elements + 1).
+      integer, allocatable :: slot_start(:)
+      !> Entry (from 1) of every value of the element matrices, columns first; 0: left out.
+      integer, allocatable :: slot(:)
+   end type pattern_type
+
+contains
+
+   !> Pattern and scatter map of a matrix made of dense element matrices.
+   subroutine build_pattern(pattern, n, elements)
+      !> Pattern to make.
+      type(pattern_type), intent(out) :: pattern
+      !> Number of unknowns.
+      integer, intent(in) :: n
+      !> Unknowns of every element.
+      type(element_dofs_type), intent(in) :: elements
+      integer, allocatable :: user_start(:), user(:), place(:), rows(:)
+      integer :: column, n_rows, i
+
+      call transpose_elements(elements, n, user_start, user)
+      call allocate_slots(pattern, elements)
+      pattern%n = n
+      allocate (pattern%column_start(n + 1), place(n), rows(n))
+      allocate (pattern%row(size(pattern%slot)))
+      place = 0
+      pattern%column_start(1) = 0
+      do column = 1, n
+         call collect_rows(column)
+         do i = 1, n_rows
+            pattern%row(pattern%n_entries + i) = rows(i) - 1
+            place(rows(i)) = pattern%n_entries + i
+         end do
+         call fill_slots(column)
+         place(rows(:n_rows)) = 0
+         pattern%n_entries = pattern%n_entries + n_rows
+         pattern%column_start(column + 1) = pattern%n_entries
+      end do
+      pattern%row = pattern%row(:pattern%n_entries)
+
+   contains
+
+      !> Sorted unknowns that share an element with the column.
+      subroutine collect_rows(column)
+         integer, intent(in) :: column
+         integer :: u, e, k, dof
+
+         n_rows = 0
+         do u = user_start(column), user_start(column + 1) - 1
+            e = user(u)
+            do k = elements%start(e), elements%start(e + 1) - 1
+               dof = elements%dof(k)
+               if (dof == 0) cycle
+               if (place(dof) /= 0) cycle
+               place(dof) = 1
+               n_rows = n_rows + 1
+               rows(n_rows) = dof
+            end do
+         end do
+         call sort_ascending(rows(:n_rows))
+      end subroutine collect_rows
+
+      !> Note where the values of all elements in this column go.
+      subroutine fill_slots(column)
+         integer, intent(in) :: column
+         integer :: u, e, first, m, local, k
+
+         do u = user_start(column), user_start(column + 1) - 1
+            e = user(u)
+            first = elements%start(e)
+            m = elements%start(e + 1) - first
+            local = findloc(elements%dof(first:first + m - 1), column, dim=1)
+            do k = 1, m
+               if (elements%dof(first + k - 1) == 0) cycle
+               pattern%slot(pattern%slot_start(e) + (local - 1)*m + k - 1) = &
+                  place(elements%dof(first + k - 1))
+            end do
+         end do
+      end subroutine fill_slots
+
+   end subroutine build_pattern
+
+   !> Add a dense element matrix to the values of a sparse one.
+   pure subroutine add_element_matrix(pattern, element, matrix, values)
+      !> Pattern with the scatter map.
+      type(pattern_type), intent(in) :: pattern
+      !> Number of the element.
+      integer, intent(in) :: element
+      !> Element matrix, columns first, shape (m*m).
+      real(wp), intent(in) :: matrix(*)
+      !> Values of the sparse matrix, shape (n_entries).
+      real(wp), intent(inout) :: values(:)
+      integer :: first, k, entry
+
+      first = pattern%slot_start(element) - 1
+      do k = 1, pattern%slot_start(element + 1) - 1 - first
+         entry = pattern%slot(first + k)
+         if (entry > 0) values(entry) = values(entry) + matrix(k)
+      end do
+   end subroutine add_element_matrix
+
+   !> Matrix times vector, y = A x.
+   pure subroutine multiply(pattern, values, x, y)
+      !> Pattern of A.
+      type(pattern_type), intent(in) :: pattern
+      !> Values of A, shape (n_entries).
+      real(wp), intent(in) :: values(:)
+      !> Vector, shape (n).
+      real(wp), intent(in) :: x(:)
+      !> Product, shape (n).
+      real(wp), intent(out) :: y(:)
+      integer :: column, k
+
+      y = 0.0_wp
+      do column = 1, pattern%n
+         do k = pattern%column_start(column) + 1, pattern%column_start(column + 1)
+            y(pattern%row(k) + 1) = y(pattern%row(k) + 1) + values(k)*x(column)
+         end do
+      end do
+   end subroutine multiply
+
+   !> For every unknown, the elements that couple it.
+   pure subroutine transpose_elements(elements, n, user_start, user)
+      type(element_dofs_type), intent(in) :: elements
+      integer, intent(in) :: n
+      integer, allocatable, intent(out) :: user_start(:), user(:)
+      integer :: e, k, dof
+
+      allocate (user_start(n + 1), source=0)
+      do k = 1, size(elements%dof)
+         if (elements%dof(k) > 0) user_start(elements%dof(k)) = user_start(elements%dof(k)) + 1
+      end do
+      user_start(1) = user_start(1) + 1
+      do k = 2, n + 1
+         user_start(k) = user_start(k) + user_start(k - 1)
+      end do
+      allocate (user(user_start(n + 1) - 1))
+      do e = elements%n_elements, 1, -1
+         do k = elements%start(e), elements%start(e + 1) - 1
+            dof = elements%dof(k)
+            if (dof == 0) cycle
+            user_start(dof) = user_start(dof) - 1
+            user(user_start(dof)) = e
+         end do
+      end do
+   end subroutine transpose_elements
+
+   !> Make room for the scatter map.
+   pure subroutine allocate_slots(pattern, elements)
+      type(pattern_type), intent(inout) :: pattern
+      type(element_dofs_type), intent(in) :: elements
+      integer :: e
+
+      allocate (pattern%slot_start(elements%n_elements + 1))
+      pattern%slot_start(1) = 1
+      do e = 1, elements%n_elements
+         pattern%slot_start(e + 1) = pattern%slot_start(e) &
+            + (elements%start(e + 1) - elements%start(e))**2
+      end do
+      allocate (pattern%slot(pattern%slot_start(elements%n_elements + 1) - 1), source=0)
+   end subroutine allocate_slots
+
+   !> Insertion sort: the rows of a column are few.
+   pure subroutine sort_ascending(numbers)
+      integer, intent(inout) :: numbers(:)
+      integer :: i, j, number
+
+      do i = 2, size(numbers)
+         number = numbers(i)
+         j = i - 1
+         do while (j >= 1)
+            if (numbers(j) <= number) exit
+            numbers(j + 1) = numbers(j)
+            j = j - 1
+         end do
+         numbers(j + 1) = number
+      end do
+   end subroutine sort_ascending
+
+end module coulter_algebra_sparse
