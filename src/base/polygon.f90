@@ -39,22 +39,12 @@ contains
          here = next
          j = merge(1, i + 1, i == polygon%n)
          next = dot_product(normal, polygon%corner(:, j)) - offset
-         if (here >= 0.0_wp) call append(polygon%corner(:, i))
+         if (here >= 0.0_wp) call append(kept, polygon%corner(:, i))
          if (min(here, next) < 0.0_wp .and. max(here, next) > 0.0_wp) then
-            call append(polygon%corner(:, i) &
+            call append(kept, polygon%corner(:, i) &
                         + (polygon%corner(:, j) - polygon%corner(:, i))*(here/(here - next)))
          end if
       end do
-
-   contains
-
-      pure subroutine append(position)
-         real(wp), intent(in) :: position(2)
-
-         kept%n = kept%n + 1
-         kept%corner(:, kept%n) = position
-      end subroutine append
-
    end subroutine clip_half_plane
 
    !> Keep the part between two lines of equal coordinate.
@@ -182,6 +172,15 @@ contains
       end if
       distance = norm2(position - first - share*along)
    end function distance_to_segment
+
+   !> Add a corner; there must be room for it.
+   pure subroutine append(polygon, position)
+      type(polygon_type), intent(inout) :: polygon
+      real(wp), intent(in) :: position(2)
+
+      polygon%n = polygon%n + 1
+      polygon%corner(:, polygon%n) = position
+   end subroutine append
 
    !> Let a polygon hold at least `n` corners; what it held is lost.
    pure subroutine make_room(polygon, n)
