@@ -1,0 +1,223 @@
+!> The active part of the grid: cells that hold material, their nodes, and who sits where.
+!>
+!> Everything lives in a window around the material, so that a larger background grid costs nothing.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_grid_cells
+   use coulter_base_kinds, only: wp
+   use coulter_grid, only: cell_nodes_2d, grid_type
+   implicit none(type, external)
+   private
+   public :: cells_type, locate_points, number_nodes
+
+   !> Active cells and nodes, numbered row by row.
+   type :: cells_type
+      !> Number of active cells.
+      integer :: n_cells = 0
+      !> How many of them, the first ones, hold points.
+      integer :: n_with_points = 0
+      !> Number of active nodes.
+      integer :: n_nodes = 0
+      !> Grid index of every active cell, shape (2, >= n_cells).
+      integer, allocatable :: cell_index(:, :)
+      !> Nodes of every active cell, counter-clockwise, shape (4, n_cells).
+      integer, allocatable :: node(:, :)
+      !> Grid index of every active node, shape (2, n_nodes).
+      integer, allocatable :: node_index(:, :)
+      !> First entry of every cell in `point`, shape (n_with_points + 1).
+      integer, allocatable :: point_start(:)
+      !> Points ordered by cell, shape (n_points).
+      integer, allocatable :: point(:)
+      !> Grid index of the first cell of the window.
+      integer :: window_lower(2) = 1
+      !> Number of the active cell, or 0, at every cell of the window.
+      integer, allocatable :: cell_at(:, :)
+   contains
+      procedure :: number_at
+      procedure :: append_cell
+      procedure :: has_same_cells_as
+      procedure :: local_position
+   end type cells_type
+
+   !> Cells around the material that the window covers, for boundaries that act beside it.
+   integer, parameter :: window_margin = 2
+
+contains
+
+   !> Find the cell of every point and collect the points of every cell.
+   pure subroutine locate_points(cells, grid, position, first_outside)
+      !> Active cells to make; nodes are numbered later by `number_nodes`.
+      type(cells_type), intent(out) :: cells
+      !> Background grid.
+      type(grid_type), intent(in) :: grid
+      !> Positions of the points, inside the grid, shape (2, n_points).
+      real(wp), intent(in) :: position(:, :)
+      !> First point that is outside the grid (or not a number), else 0; then nothing is made.
+      integer, intent(out) :: first_outside
+      integer, allocatable :: index(:, :)
+      integer :: p, lower(2), upper(2)
+
+      allocate (index(2, size(position, 2)))
+      lower = grid%n_cells
+      upper = 1
+      do p = 1, size(position, 2)
+         first_outside = p
+         if (.not. grid%contains_position(position(:, p))) return
+         index(:, p) = grid%cell_of(position(:, p))
+         lower = min(lower, index(:, p))
+         upper = max(upper, index(:, p))
+      end do
+      first_outside = 0
+      lower = max(lower - window_margin, 1)
+      upper = min(upper + window_margin, grid%n_cells)
+      cells%window_lower = lower
+      allocate (cells%cell_at(lower(1):upper(1), lower(2):upper(2)), source=0)
+      call number_cells(cells, index)
+      call sort_points(cells, index)
+   end subroutine locate_points
+
+   !> Number the cells that hold points, row by row.
+   pure subroutine number_cells(cells, index)
+      type(cells_type), intent(inout) :: cells
+      integer, intent(in) :: index(:, :)
+      integer :: p, i, j
+
+      do p = 1, size(index, 2)
+         cells%cell_at(index(1, p), index(2, p)) = 1
+      end do
+      cells%n_cells = count(cells%cell_at > 0)
+      cells%n_with_points = cells%n_cells
+      allocate (cells%cell_index(2, cells%n_cells + 16))
+      cells%n_cells = 0
+      do j = lbound(cells%cell_at, 2), ubound(cells%cell_at, 2)
+         do i = lbound(cells%cell_at, 1), ubound(cells%cell_at, 1)
+            if (cells%cell_at(i, j) == 0) cycle
+            cells%n_cells = cells%n_cells + 1
+            cells%cell_at(i, j) = cells%n_cells
+            cells%cell_index(:, cells%n_cells) = [i, j]
+         end do
+      end do
+   end subroutine number_cells
+
+   !> Counting sort of the points by cell.
+   pure subroutine sort_points(cells, index)
+      type(cells_type), intent(inout) :: cells
+      integer, intent(in) :: index(:, :)
+      integer :: p, c
+
+      allocate (cells%point_start(cells%n_cells + 1), source=0)
+      do p = 1, size(index, 2)
+         c = cells%cell_at(index(1, p), index(2, p))
+         cells%point_start(c) = cells%point_start(c) + 1
+      end do
+      cells%point_start(cells%n_cells + 1) = size(index, 2) + 1
+      do c = cells%n_cells, 1, -1
+         cells%point_start(c) = cells%point_start(c + 1) - cells%point_start(c)
+      end do
+      allocate (cells%point(size(index, 2)))
+      do p = 1, size(index, 2)
+         c = cells%cell_at(index(1, p), index(2, p))
+         cells%point(cells%point_start(c)) = p
+         cells%point_start(c) = cells%point_start(c) + 1
+      end do
+      do c = cells%n_cells, 1, -1
+         cells%point_start(c + 1) = cells%point_start(c)
+      end do
+      cells%point_start(1) = 1
+   end subroutine sort_points
+
+   !> Number of the active cell with a grid index, or 0.
+   pure function number_at(self, index) result(number)
+      class(cells_type), intent(in) :: self
+      !> Grid index of a cell, anywhere.
+      integer, intent(in) :: index(2)
+      integer :: number
+
+      number = 0
+      if (any(index < lbound(self%cell_at) .or. index > ubound(self%cell_at))) return
+      number = self%cell_at(index(1), index(2))
+   end function number_at
+
+   !> Make a cell without points active and give its number; 0 outside the window.
+   pure subroutine append_cell(self, index, number)
+      class(cells_type), intent(inout) :: self
+      !> Grid index of a cell that is not active yet.
+      integer, intent(in) :: index(2)
+      !> Its number from now on.
+      integer, intent(out) :: number
+      integer, allocatable :: grown(:, :)
+
+      number = 0
+      if (any(index < lbound(self%cell_at) .or. index > ubound(self%cell_at))) return
+      if (self%n_cells == size(self%cell_index, 2)) then
+         allocate (grown(2, 2*self%n_cells))
+         grown(:, :self%n_cells) = self%cell_index
+         call move_alloc(grown, self%cell_index)
+      end if
+      self%n_cells = self%n_cells + 1
+      self%cell_index(:, self%n_cells) = index
+      self%cell_at(index(1), index(2)) = self%n_cells
+      number = self%n_cells
+   end subroutine append_cell
+
+   !> Number the nodes of all active cells, row by row.
+   pure subroutine number_nodes(cells)
+      !> Active cells; gets `node`, `n_nodes` and `node_index`.
+      type(cells_type), intent(inout) :: cells
+      integer, allocatable :: node_at(:, :)
+      integer :: c, i, j, k, corner(2)
+
+      associate (lower => lbound(cells%cell_at), upper => ubound(cells%cell_at))
+         allocate (node_at(lower(1):upper(1) + 1, lower(2):upper(2) + 1), source=0)
+      end associate
+      do c = 1, cells%n_cells
+         do k = 1, 4
+            corner = cells%cell_index(:, c) + cell_nodes_2d(:, k)
+            node_at(corner(1), corner(2)) = 1
+         end do
+      end do
+      cells%n_nodes = count(node_at > 0)
+      allocate (cells%node_index(2, cells%n_nodes), cells%node(4, cells%n_cells))
+      cells%n_nodes = 0
+      do j = lbound(node_at, 2), ubound(node_at, 2)
+         do i = lbound(node_at, 1), ubound(node_at, 1)
+            if (node_at(i, j) == 0) cycle
+            cells%n_nodes = cells%n_nodes + 1
+            node_at(i, j) = cells%n_nodes
+            cells%node_index(:, cells%n_nodes) = [i, j]
+         end do
+      end do
+      do c = 1, cells%n_cells
+         do k = 1, 4
+            corner = cells%cell_index(:, c) + cell_nodes_2d(:, k)
+            cells%node(k, c) = node_at(corner(1), corner(2))
+         end do
+      end do
+   end subroutine number_nodes
+
+   !> Are the same grid cells active, in the same order?
+   pure function has_same_cells_as(self, other) result(answer)
+      class(cells_type), intent(in) :: self
+      !> Active cells to compare with, perhaps not made yet.
+      type(cells_type), intent(in) :: other
+      logical :: answer
+
+      answer = allocated(other%cell_index) .and. self%n_cells == other%n_cells
+      if (answer) answer = all(self%cell_index(:, :self%n_cells) &
+                               == other%cell_index(:, :other%n_cells))
+   end function has_same_cells_as
+
+   !> Position in a cell over its edge lengths: 0 to 1 inside, shape (2).
+   pure function local_position(self, grid, cell, position) result(local)
+      class(cells_type), intent(in) :: self
+      !> Background grid.
+      type(grid_type), intent(in) :: grid
+      !> Number of the active cell.
+      integer, intent(in) :: cell
+      !> Position, length units.
+      real(wp), intent(in) :: position(2)
+      real(wp) :: local(2)
+
+      local = (position - grid%origin)/grid%spacing - real(self%cell_index(:, cell) - 1, wp)
+   end function local_position
+
+end module coulter_grid_cells
