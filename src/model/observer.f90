@@ -8,12 +8,17 @@ module coulter_model_observer
    private
    public :: observer_type, observer_item_type, step_report_type, scene_report_type
    public :: n_phases, phase_names
+   public :: phase_locate, phase_number, phase_assemble, phase_factorise, phase_solve, phase_accept
+   public :: phase_output
 
    !> Number of timed phases of a run.
    integer, parameter :: n_phases = 7
    !> Names of the timed phases, in the order of their index.
    character(len=*), parameter :: phase_names(n_phases) = [character(len=9) :: &
       "locate", "number", "assemble", "factorise", "solve", "accept", "output"]
+   !> Indices of the timed phases.
+   integer, parameter :: phase_locate = 1, phase_number = 2, phase_assemble = 3, &
+      phase_factorise = 4, phase_solve = 5, phase_accept = 6, phase_output = 7
 
    !> Facts about the scene before the first step.
    type :: scene_report_type

@@ -1,10 +1,11 @@
 !> Material points: a structure of arrays, components first, points last.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_points
-   use coulter_base_kinds, only: wp
+   use coulter_base_kinds, only: long, wp
    implicit none(type, external)
    private
-   public :: points_type, point_state_type, allocate_points, n_plane_gradient
+   public :: points_type, point_state_type, allocate_points, points_memory
+   public :: n_plane_gradient
 
    !> Components of the deformation gradient in plane strain and axisymmetry: 11, 21, 12, 22, 33.
    integer, parameter :: n_plane_gradient = 5
@@ -82,5 +83,16 @@ contains
       allocate (state%kirchhoff_stress(4, n_points), source=0.0_wp)
       allocate (state%law_state(n_state, n_points), source=0.0_wp)
    end subroutine allocate_state
+
+   !> Bytes that the points occupy.
+   pure function points_memory(points) result(bytes)
+      !> The points.
+      type(points_type), intent(in) :: points
+      integer(long) :: bytes
+      integer, parameter :: n_per_point = 2 + 2 + 1 + 1 + 2, n_per_state = n_plane_gradient + 4 + 4
+
+      bytes = int(points%n_points, long) &
+         *int(4 + 8*(n_per_point + 2*(n_per_state + points%n_state)), long)
+   end function points_memory
 
 end module coulter_points

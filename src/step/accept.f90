@@ -1,0 +1,150 @@
+!> End of a successful step: points and boundaries move, the trial state becomes the converged one.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_step_accept
+   use coulter_base_kinds, only: wp
+   use coulter_base_tensor, only: finger_of_log_strain_plane, log_strain_plane
+   use coulter_base_text, only: to_text
+   use coulter_grid_shape, only: shape_gradients_2d, shape_values_2d
+   use coulter_law, only: n_plane
+   use coulter_model, only: model_type
+   use coulter_points, only: point_state_type
+   use coulter_step_assembly, only: prescribed_increment
+   use coulter_step_point_kernel, only: deform_point
+   use coulter_step_system, only: system_type
+   implicit none(type, external)
+   private
+   public :: accept_step
+
+contains
+
+   !> Update everything that a step changes. When a point cannot follow (it turns inside out in a
+   !> cell that was left out, or leaves the grid), nothing is changed.
+   subroutine accept_step(model, system, failure)
+      !> Scene to move on.
+      type(model_type), intent(inout) :: model
+      !> System in equilibrium.
+      type(system_type), intent(inout) :: system
+      !> Why the step cannot be accepted; unallocated when it was.
+      character(len=:), allocatable, intent(out) :: failure
+      real(wp), allocatable :: moved(:, :)
+      integer :: failed_point
+
+      allocate (moved, mold=model%points%position)
+      call update_points(model, system, moved, failed_point)
+      if (failed_point > 0) then
+         failure = "material point "//to_text(failed_point)//" near (" &
+            //to_text(model%points%position(:, failed_point))//") is turned inside out" &
+            //" or leaves the grid"
+         return
+      end if
+      model%points%displacement = model%points%displacement + moved
+      model%points%position = model%points%position + moved
+      call swap_states(model%points%converged, model%points%trial)
+      call measure_volumes(model)
+      call move_boundaries(model, system)
+      model%time = system%end_time
+      system%last_stations = system%stations
+   end subroutine accept_step
+
+   !> Trial state and motion of all points, those of left-out cells included.
+   subroutine update_points(model, system, moved, failed_point)
+      type(model_type), intent(inout) :: model
+      type(system_type), intent(in) :: system
+      real(wp), intent(out) :: moved(:, :)
+      integer, intent(out) :: failed_point
+      real(wp) :: increment(2, 4), local(2)
+      integer :: c, k, p
+      logical :: has_failed
+
+      do c = 1, system%cells%n_with_points
+         increment = system%increment(:, system%cells%node(:, c))
+         do k = system%cells%point_start(c), system%cells%point_start(c + 1) - 1
+            p = system%cells%point(k)
+            local = system%cells%local_position(model%grid, c, model%points%position(:, p))
+            moved(:, p) = matmul(increment, shape_values_2d(local))
+            call update_point(model, p, shape_gradients_2d(local, model%grid%spacing), increment, &
+                              has_failed)
+            failed_point = p
+            if (has_failed) return
+            if (.not. model%grid%contains_position(model%points%position(:, p) + moved(:, p))) &
+               return
+         end do
+      end do
+      failed_point = 0
+   end subroutine update_points
+
+   !> Trial state of one point.
+   subroutine update_point(model, p, gradient, increment, has_failed)
+      type(model_type), intent(inout) :: model
+      integer, intent(in) :: p
+      real(wp), intent(in) :: gradient(2, 4), increment(2, 4)
+      logical, intent(out) :: has_failed
+      real(wp) :: deformation(2, 2), volume_ratio, finger(4), strain(n_plane)
+      real(wp) :: tangent(n_plane, n_plane), elastic_strain(n_plane)
+
+      associate (old => model%points%converged, new => model%points%trial, &
+                 item => model%laws(model%bodies(model%points%body(p))%law))
+         call deform_point(gradient, increment, old%elastic_finger(:, p), deformation, &
+                           volume_ratio, finger)
+         has_failed = .not. volume_ratio > 0.0_wp
+         if (has_failed) return
+         call log_strain_plane(finger, strain)
+         call item%law%update(strain, old%law_state(:item%law%n_state, p), &
+                              new%kirchhoff_stress(:, p), tangent, elastic_strain, &
+                              new%law_state(:item%law%n_state, p), has_failed)
+         if (has_failed) return
+         if (.not. item%law%is_elastic) call finger_of_log_strain_plane(elastic_strain, finger)
+         new%elastic_finger(:, p) = finger
+         new%deformation_gradient(:4, p) = &
+            reshape(matmul(deformation, reshape(old%deformation_gradient(:4, p), [2, 2])), [4])
+         new%deformation_gradient(5, p) = old%deformation_gradient(5, p)
+      end associate
+   end subroutine update_point
+
+   !> Exchange two states without copying.
+   pure subroutine swap_states(first, second)
+      type(point_state_type), intent(inout) :: first, second
+
+      call swap(first%deformation_gradient, second%deformation_gradient)
+      call swap(first%elastic_finger, second%elastic_finger)
+      call swap(first%kirchhoff_stress, second%kirchhoff_stress)
+      call swap(first%law_state, second%law_state)
+
+   contains
+
+      pure subroutine swap(a, b)
+         real(wp), allocatable, intent(inout) :: a(:, :), b(:, :)
+         real(wp), allocatable :: kept(:, :)
+
+         call move_alloc(a, kept)
+         call move_alloc(b, a)
+         call move_alloc(kept, b)
+      end subroutine swap
+
+   end subroutine swap_states
+
+   !> Volume ratio J = det F of all points.
+   pure subroutine measure_volumes(model)
+      type(model_type), intent(inout) :: model
+
+      associate (f => model%points%converged%deformation_gradient)
+         model%points%volume_ratio = (f(1, :)*f(4, :) - f(2, :)*f(3, :))*f(5, :)
+      end associate
+   end subroutine measure_volumes
+
+   !> Boundaries move with their prescribed displacement.
+   pure subroutine move_boundaries(model, system)
+      type(model_type), intent(inout) :: model
+      type(system_type), intent(in) :: system
+      real(wp) :: increment(2)
+      integer :: b
+
+      do b = 1, size(model%boundaries)
+         increment = prescribed_increment(model, model%boundaries(b), system%start_time, &
+                                          system%end_time)
+         model%boundaries(b)%vertices = model%boundaries(b)%vertices &
+            + spread(increment, 2, size(model%boundaries(b)%vertices, 2))
+      end do
+   end subroutine move_boundaries
+
+end module coulter_step_accept

@@ -1,0 +1,177 @@
+!> Forces and tangent of the whole system, cell by cell.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_step_assembly
+   use coulter_algebra_sparse, only: add_element_matrix
+   use coulter_base_kinds, only: wp
+   use coulter_boundary, only: boundary_type
+   use coulter_boundary_ibm, only: station_kernel_2d
+   use coulter_grid_shape, only: shape_gradients_2d
+   use coulter_model, only: load_factor, model_type
+   use coulter_step_point_kernel, only: add_point
+   use coulter_step_system, only: system_type
+   implicit none(type, external)
+   private
+   public :: assemble, apply_body_force, prescribed_increment
+
+contains
+
+   !> Internal force, boundary force and tangent at the current displacement increments.
+   subroutine assemble(system, model, failed_cell)
+      !> System of the step; gets `internal`, `boundary` and `values`.
+      type(system_type), intent(inout) :: system
+      !> Scene at the start of the step.
+      type(model_type), intent(in) :: model
+      !> Cell with a point that is turned inside out or whose law failed, else 0.
+      integer, intent(out) :: failed_cell
+
+      system%values = 0.0_wp
+      system%internal = 0.0_wp
+      system%boundary = 0.0_wp
+      system%boundary_reaction = 0.0_wp
+      call add_points(system, model, failed_cell)
+      if (failed_cell > 0) return
+      call add_stations(system, model)
+   end subroutine assemble
+
+   !> External nodal forces at the end of the step.
+   pure subroutine apply_body_force(system, model)
+      !> System of the step; gets `external`.
+      type(system_type), intent(inout) :: system
+      !> Scene.
+      type(model_type), intent(in) :: model
+      real(wp) :: acceleration(2)
+      integer :: i
+
+      system%external = 0.0_wp
+      if (.not. allocated(system%nodal_mass)) return
+      acceleration = model%body_force%acceleration &
+         *load_factor(model, model%body_force%table, system%end_time)
+      do i = 1, 2
+         system%external(i, :) = system%nodal_mass*acceleration(i)
+      end do
+   end subroutine apply_body_force
+
+   !> Sum up the points of every cell, then scatter the cell once.
+   subroutine add_points(system, model, failed_cell)
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+      integer, intent(out) :: failed_cell
+      real(wp) :: force(2, 4), stiffness(64)
+      integer :: c
+      logical :: has_failed
+
+      do c = 1, system%cells%n_with_points
+         if (.not. system%takes_part(c)) cycle
+         associate (node => system%cells%node(:, c))
+            call sum_points(system, model, c, system%increment(:, node), force, stiffness, &
+                            has_failed)
+            failed_cell = c
+            if (has_failed) return
+            system%internal(:, node) = system%internal(:, node) + force
+         end associate
+         call scatter(system, c, stiffness)
+      end do
+      failed_cell = 0
+   end subroutine add_points
+
+   !> Internal force and tangent of one cell.
+   subroutine sum_points(system, model, c, increment, force, stiffness, has_failed)
+      type(system_type), intent(in) :: system
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: c
+      real(wp), intent(in) :: increment(2, 4)
+      real(wp), intent(out) :: force(2, 4), stiffness(2, 4, 2, 4)
+      logical, intent(out) :: has_failed
+      real(wp) :: gradient(2, 4), spacing(2)
+      integer :: k, p
+
+      force = 0.0_wp
+      stiffness = 0.0_wp
+      has_failed = .false.
+      spacing = model%grid%spacing
+      do k = system%cells%point_start(c), system%cells%point_start(c + 1) - 1
+         p = system%cells%point(k)
+         gradient = shape_gradients_2d(system%cells%local_position(model%grid, c, &
+                                          model%points%position(:, p)), spacing)
+         associate (item => model%laws(model%bodies(model%points%body(p))%law))
+            call add_point(item%law, gradient, increment, model%points%reference_volume(p), &
+                           model%points%converged%elastic_finger(:, p), &
+                           model%points%converged%law_state(:, p), force, stiffness, has_failed)
+         end associate
+         if (has_failed) return
+      end do
+   end subroutine sum_points
+
+   !> Forces and tangents of all stations.
+   subroutine add_stations(system, model)
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+      real(wp) :: force(2, 4), tangent(2, 4, 2, 4), prescribed(2, size(model%boundaries))
+      integer :: b, k
+
+      do b = 1, size(model%boundaries)
+         prescribed(:, b) = prescribed_increment(model, model%boundaries(b), &
+                                                 system%start_time, system%end_time)
+      end do
+      do k = 1, system%stations%n
+         associate (station => system%stations%item(k))
+            call station_kernel_2d(station%law, station%shape, station%gradient, &
+                                   system%increment(:, system%cells%node(:, station%cell)), &
+                                   prescribed(:, station%boundary), station%memory, &
+                                   force, tangent, station%traction)
+            force = station%weight*force
+            tangent = station%weight*tangent
+            associate (node => system%cells%node(:, station%cell))
+               system%boundary(:, node) = system%boundary(:, node) + force
+            end associate
+            associate (reaction => system%boundary_reaction(:, station%boundary))
+               reaction = reaction - sum(force, dim=2)
+            end associate
+            call scatter(system, station%cell, reshape(tangent, [64]))
+         end associate
+      end do
+   end subroutine add_stations
+
+   !> How far a boundary moves between two times, length units.
+   pure function prescribed_increment(model, boundary, start_time, end_time) result(increment)
+      !> Scene with tables and schedule.
+      type(model_type), intent(in) :: model
+      !> The boundary.
+      type(boundary_type), intent(in) :: boundary
+      !> Times.
+      real(wp), intent(in) :: start_time, end_time
+      real(wp) :: increment(2)
+
+      increment = boundary%displacement*(load_factor(model, boundary%table, end_time) &
+                                         - load_factor(model, boundary%table, start_time))
+   end function prescribed_increment
+
+   !> Add the matrix of a cell to the tangent, transformed to masters if it has outer nodes.
+   subroutine scatter(system, c, matrix)
+      type(system_type), intent(inout) :: system
+      integer, intent(in) :: c
+      real(wp), intent(in) :: matrix(64)
+      integer :: first, last
+
+      first = system%transform_start(c)
+      last = system%transform_start(c + 1) - 1
+      if (last < first) then
+         call add_element_matrix(system%pattern, c, matrix, system%values)
+      else
+         associate (transform => system%transform(:, first:last))
+            call add_element_matrix(system%pattern, c, &
+                                    transformed(reshape(matrix, [8, 8]), transform), &
+                                    system%values)
+         end associate
+      end if
+   end subroutine scatter
+
+   !> Matrix in terms of the masters, T^T K T.
+   pure function transformed(matrix, transform) result(product)
+      real(wp), intent(in) :: matrix(8, 8), transform(:, :)
+      real(wp) :: product(size(transform, 2), size(transform, 2))
+
+      product = matmul(transpose(transform), matmul(matrix, transform))
+   end function transformed
+
+end module coulter_step_assembly

@@ -1,0 +1,170 @@
+!> Equilibrium by Newton's method.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_step_newton
+   use coulter_base_kinds, only: wp
+   use coulter_base_text, only: to_text
+   use coulter_model, only: model_type
+   use coulter_model_observer, only: phase_assemble, phase_factorise, phase_solve
+   use coulter_step_assembly, only: assemble
+   use coulter_step_dofs, only: expand, reduce
+   use coulter_step_system, only: system_type
+   implicit none(type, external)
+   private
+   public :: newton_type, solve_newton
+
+   !> How the iteration went.
+   type :: newton_type
+      !> Linear solves.
+      integer :: n_iterations = 0
+      !> Relative residual before every iteration and at the end, shape (n_iterations + 1).
+      real(wp), allocatable :: residuals(:)
+      !> Why there is no equilibrium; unallocated when there is.
+      character(len=:), allocatable :: failure
+      !> Displacement increments, their last correction, and the unbalanced force, shape (n_dofs).
+      real(wp), allocatable, private :: unknowns(:), correction(:), unbalanced(:)
+   end type newton_type
+
+   !> Corrections are halved at most to this share to keep every point the right side out.
+   real(wp), parameter :: smallest_share = 1.0e-3_wp
+
+contains
+
+   !> Find the displacement increments at which all forces balance. On return the system holds
+   !> them, and all forces at them.
+   subroutine solve_newton(newton, system, model)
+      !> How it went.
+      type(newton_type), intent(out) :: newton
+      !> System of the step, numbered, with external forces.
+      type(system_type), intent(inout) :: system
+      !> Scene at the start of the step.
+      type(model_type), intent(in) :: model
+      logical :: is_done
+
+      associate (n => system%dofs%n_dofs)
+         allocate (newton%unknowns(n), newton%correction(n), source=0.0_wp)
+         allocate (newton%unbalanced(n), newton%residuals(0))
+      end associate
+      call evaluate(newton, system, model, newton%unknowns)
+      do while (.not. allocated(newton%failure))
+         call measure(newton, system)
+         call judge(newton, model, is_done)
+         if (is_done) exit
+         call find_correction(newton, system)
+         if (allocated(newton%failure)) exit
+         call advance(newton, system, model)
+         newton%n_iterations = newton%n_iterations + 1
+      end do
+   end subroutine solve_newton
+
+   !> Forces and tangent at given unknowns.
+   subroutine evaluate(newton, system, model, unknowns)
+      type(newton_type), intent(inout) :: newton
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: unknowns(:)
+      integer :: failed_cell
+
+      call system%watch%start(phase_assemble)
+      call expand(system%dofs, unknowns, system%increment)
+      call assemble(system, model, failed_cell)
+      call system%watch%stop()
+      if (failed_cell == 0) return
+      newton%failure = "a material point is turned inside out or its law fails near (" &
+         //to_text(model%grid%origin + model%grid%spacing &
+                   *(real(system%cells%cell_index(:, failed_cell), wp) - 0.5_wp))//")"
+   end subroutine evaluate
+
+   !> Residual relative to the internal or external force. Penalty forces are left out of the
+   !> reference: they would hide everything else (theory, section 1).
+   subroutine measure(newton, system)
+      type(newton_type), intent(inout) :: newton
+      type(system_type), intent(in) :: system
+      real(wp) :: reference
+
+      reference = max(norm_of(system%internal), norm_of(system%external))
+      call reduce_copy(system%internal + system%boundary - system%external, newton%unbalanced)
+      newton%residuals = [newton%residuals, &
+                          norm2(newton%unbalanced)/max(reference, tiny(reference))]
+
+   contains
+
+      !> Norm of nodal forces, reduced to the unknowns.
+      function norm_of(nodal) result(norm)
+         real(wp), intent(in) :: nodal(:, :)
+         real(wp) :: norm
+         real(wp) :: reduced(system%dofs%n_dofs)
+
+         call reduce_copy(nodal, reduced)
+         norm = norm2(reduced)
+      end function norm_of
+
+      !> `reduce` on a copy.
+      subroutine reduce_copy(nodal, reduced)
+         real(wp), intent(in) :: nodal(:, :)
+         real(wp), intent(out) :: reduced(:)
+         real(wp) :: copy(size(nodal, 1), size(nodal, 2))
+
+         copy = nodal
+         call reduce(system%dofs, copy, reduced)
+      end subroutine reduce_copy
+
+   end subroutine measure
+
+   !> Converged by residual, or by increment, which also covers bodies that move free of stress;
+   !> never before one correction has been made. Out of patience or out of numbers: a failure.
+   subroutine judge(newton, model, is_done)
+      type(newton_type), intent(inout) :: newton
+      type(model_type), intent(in) :: model
+      logical, intent(out) :: is_done
+      real(wp) :: residual
+
+      residual = newton%residuals(size(newton%residuals))
+      is_done = .false.
+      if (newton%n_iterations > 0) then
+         is_done = residual <= model%control%tolerance &
+            .or. maxval(abs(newton%correction)) &
+            <= model%control%increment_tolerance*maxval(abs(newton%unknowns))
+      end if
+      if (is_done) return
+      is_done = newton%n_iterations >= model%control%max_iterations .or. residual > huge(residual)
+      if (is_done) newton%failure = "no equilibrium after "//to_text(newton%n_iterations) &
+         //" iterations, relative residual "//to_text(residual, 3)
+   end subroutine judge
+
+   !> Newton correction: tangent times correction = - residual.
+   subroutine find_correction(newton, system)
+      type(newton_type), intent(inout) :: newton
+      type(system_type), intent(inout) :: system
+      logical :: has_failed
+
+      call system%watch%start(phase_factorise)
+      call system%solver%factorise(system%pattern, system%values, has_failed)
+      call system%watch%start(phase_solve)
+      if (.not. has_failed) call system%solver%solve(system%pattern, system%values, &
+                                                     -newton%unbalanced, newton%correction, &
+                                                     has_failed)
+      call system%watch%stop()
+      if (has_failed) newton%failure = "the tangent is singular: the material is unstable, or a" &
+         //" body is free to move since no boundary or fixity holds it"
+   end subroutine find_correction
+
+   !> Apply the correction, halved as often as it takes to keep every point the right side out.
+   subroutine advance(newton, system, model)
+      type(newton_type), intent(inout) :: newton
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+      real(wp) :: share
+
+      share = 1.0_wp
+      do
+         call evaluate(newton, system, model, newton%unknowns + share*newton%correction)
+         if (.not. allocated(newton%failure)) exit
+         share = 0.5_wp*share
+         if (share < smallest_share) return
+         deallocate (newton%failure)
+      end do
+      newton%correction = share*newton%correction
+      newton%unknowns = newton%unknowns + newton%correction
+   end subroutine advance
+
+end module coulter_step_newton

@@ -1,0 +1,151 @@
+!> What a material point adds to the system in plane strain: kinematics, stress, force, tangent.
+!>
+!> All formulas: theory, section 1. Hot: constant sizes, no allocation, no branches beyond the law.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_step_point_kernel
+   use coulter_base_kinds, only: wp
+   use coulter_base_tensor, only: inverse_2d, log_strain_plane, log_strain_tangent_plane
+   use coulter_law, only: law_type, n_plane
+   implicit none(type, external)
+   private
+   public :: deform_point, add_point
+
+contains
+
+   !> Deformation gradient of the current step, and the elastic left Cauchy-Green tensor that it
+   !> makes of the converged one: dF = I + sum_v du_v (x) dN_v/dX, b = dF b_n dF^T.
+   pure subroutine deform_point(gradient, increment, converged_finger, deformation, volume_ratio, &
+                                finger)
+      !> Shape function gradients at the start of the step, per length.
+      real(wp), intent(in) :: gradient(2, 4)
+      !> Displacement increments of the nodes, length units.
+      real(wp), intent(in) :: increment(2, 4)
+      !> Converged elastic left Cauchy-Green tensor xx, yy, zz, xy.
+      real(wp), intent(in) :: converged_finger(4)
+      !> In-plane deformation gradient of the step.
+      real(wp), intent(out) :: deformation(2, 2)
+      !> Its determinant; not positive when the point is turned inside out.
+      real(wp), intent(out) :: volume_ratio
+      !> Elastic trial left Cauchy-Green tensor xx, yy, zz, xy.
+      real(wp), intent(out) :: finger(4)
+      real(wp) :: row(2, 2)
+      integer :: i, j
+
+      do j = 1, 2
+         do i = 1, 2
+            deformation(i, j) = sum(increment(i, :)*gradient(j, :))
+         end do
+         deformation(j, j) = deformation(j, j) + 1.0_wp
+      end do
+      volume_ratio = deformation(1, 1)*deformation(2, 2) - deformation(1, 2)*deformation(2, 1)
+      row(:, 1) = deformation(:, 1)*converged_finger(1) + deformation(:, 2)*converged_finger(4)
+      row(:, 2) = deformation(:, 1)*converged_finger(4) + deformation(:, 2)*converged_finger(2)
+      finger(1) = row(1, 1)*deformation(1, 1) + row(1, 2)*deformation(1, 2)
+      finger(2) = row(2, 1)*deformation(2, 1) + row(2, 2)*deformation(2, 2)
+      finger(3) = converged_finger(3)
+      finger(4) = row(1, 1)*deformation(2, 1) + row(1, 2)*deformation(2, 2)
+   end subroutine deform_point
+
+   !> Add the internal force and the tangent of a point to those of its cell:
+   !> f_v = tau dN_v/dx V0 and K_vw = V0 dN_v,j A_ijkl dN_w,l.
+   pure subroutine add_point(law, gradient, increment, volume, converged_finger, law_state, &
+                             force, stiffness, has_failed)
+      !> Law of the point.
+      class(law_type), intent(in) :: law
+      !> Shape function gradients at the start of the step, per length.
+      real(wp), intent(in) :: gradient(2, 4)
+      !> Displacement increments of the nodes, length units.
+      real(wp), intent(in) :: increment(2, 4)
+      !> Reference volume.
+      real(wp), intent(in) :: volume
+      !> Converged elastic left Cauchy-Green tensor xx, yy, zz, xy.
+      real(wp), intent(in) :: converged_finger(4)
+      !> Converged state variables, shape (>= law%n_state).
+      real(wp), intent(in) :: law_state(:)
+      !> Internal force of the cell on its nodes, shape (component, node).
+      real(wp), intent(inout) :: force(2, 4)
+      !> Tangent of the cell, shape (component, node, component, node).
+      real(wp), intent(inout) :: stiffness(2, 4, 2, 4)
+      !> Is the point turned inside out, or did its law fail?
+      logical, intent(out) :: has_failed
+      real(wp) :: deformation(2, 2), volume_ratio, finger(4), strain(n_plane), stress(n_plane)
+      real(wp) :: law_tangent(n_plane, n_plane), elastic_strain(n_plane), moduli(2, 2, 2, 2)
+      real(wp) :: current(2, 4), new_state(law%n_state)
+
+      call deform_point(gradient, increment, converged_finger, deformation, volume_ratio, finger)
+      has_failed = .not. volume_ratio > 0.0_wp
+      if (has_failed) return
+      current = matmul(transpose(inverse_2d(deformation, volume_ratio)), gradient)
+      call log_strain_plane(finger, strain)
+      call law%update(strain, law_state(:law%n_state), stress, law_tangent, elastic_strain, &
+                      new_state, has_failed)
+      if (has_failed) return
+      call spatial_moduli(finger, stress, law_tangent, moduli)
+      call add_force(current, stress, volume, force)
+      call add_stiffness(current, moduli, volume, stiffness)
+   end subroutine add_point
+
+   !> Moduli A_ijkl = d tau_ij/d l_kl - tau_il delta_jk of the spatial tangent, where
+   !> d tau = D : 1/2 d(ln b) : (l b + b l^T).
+   pure subroutine spatial_moduli(finger, stress, law_tangent, moduli)
+      real(wp), intent(in) :: finger(4), stress(n_plane), law_tangent(n_plane, n_plane)
+      real(wp), intent(out) :: moduli(2, 2, 2, 2)
+      real(wp) :: logarithm(3, 3), by_finger(3, 3), change(3)
+      integer, parameter :: in_plane(3) = [1, 2, 4]
+      integer :: k, l
+
+      call log_strain_tangent_plane(finger, logarithm)
+      by_finger = matmul(law_tangent(in_plane, in_plane), logarithm)
+      do l = 1, 2
+         do k = 1, 2
+            change = by_finger(:, k)*2.0_wp*component(finger, k, l) &
+               + by_finger(:, 3)*component(finger, 3 - k, l)
+            moduli(1, 1, k, l) = change(1)
+            moduli(2, 2, k, l) = change(2)
+            moduli(1, 2, k, l) = change(3)
+            moduli(2, 1, k, l) = change(3)
+            moduli(1, k, k, l) = moduli(1, k, k, l) - component(stress, 1, l)
+            moduli(2, k, k, l) = moduli(2, k, k, l) - component(stress, 2, l)
+         end do
+      end do
+   end subroutine spatial_moduli
+
+   !> In-plane component of a symmetric tensor stored as xx, yy, zz, xy.
+   pure function component(tensor, i, j) result(value)
+      real(wp), intent(in) :: tensor(4)
+      integer, intent(in) :: i, j
+      real(wp) :: value
+
+      value = tensor(merge(i, 4, i == j))
+   end function component
+
+   !> Internal force.
+   pure subroutine add_force(gradient, stress, volume, force)
+      real(wp), intent(in) :: gradient(2, 4), stress(n_plane), volume
+      real(wp), intent(inout) :: force(2, 4)
+
+      force(1, :) = force(1, :) &
+         + volume*(stress(1)*gradient(1, :) + stress(4)*gradient(2, :))
+      force(2, :) = force(2, :) &
+         + volume*(stress(4)*gradient(1, :) + stress(2)*gradient(2, :))
+   end subroutine add_force
+
+   !> Tangent, contracted directly: twice as fast as with strain-displacement matrices.
+   pure subroutine add_stiffness(gradient, moduli, volume, stiffness)
+      real(wp), intent(in) :: gradient(2, 4), moduli(2, 2, 2, 2), volume
+      real(wp), intent(inout) :: stiffness(2, 4, 2, 4)
+      real(wp) :: half(2, 2)
+      integer :: k, b
+
+      do b = 1, 4
+         do k = 1, 2
+            half = volume*(moduli(:, :, k, 1)*gradient(1, b) + moduli(:, :, k, 2)*gradient(2, b))
+            stiffness(1, :, k, b) = stiffness(1, :, k, b) &
+               + half(1, 1)*gradient(1, :) + half(1, 2)*gradient(2, :)
+            stiffness(2, :, k, b) = stiffness(2, :, k, b) &
+               + half(2, 1)*gradient(1, :) + half(2, 2)*gradient(2, :)
+         end do
+      end do
+   end subroutine add_stiffness
+
+end module coulter_step_point_kernel

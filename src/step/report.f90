@@ -1,0 +1,160 @@
+!> Facts about the scene and about every step, for logs and results.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_step_report
+   use coulter_base_kinds, only: long, wp
+   use coulter_base_text, only: to_text
+   use coulter_boundary_segment, only: new_segment, segment_type
+   use coulter_model, only: model_type
+   use coulter_model_observer, only: scene_report_type, step_report_type
+   use coulter_points, only: points_memory
+   use coulter_step_dofs, only: reduce
+   use coulter_step_newton, only: newton_type
+   use coulter_step_system, only: system_memory, system_type
+   implicit none(type, external)
+   private
+   public :: report_scene, report_step
+
+   !> Boundary length that carries no load is reported from this share of the whole.
+   real(wp), parameter :: notable_share = 1.0e-3_wp
+
+contains
+
+   !> Facts about the scene, once the first system is numbered.
+   pure subroutine report_scene(scene, model, system)
+      !> Facts to collect.
+      type(scene_report_type), intent(out) :: scene
+      !> The scene.
+      type(model_type), intent(in) :: model
+      !> Its numbered system.
+      type(system_type), intent(in) :: system
+
+      scene%n_points = model%points%n_points
+      scene%n_grid_cells = product(int(model%grid%n_cells, long))
+      scene%n_cells = system%cells%n_cells
+      scene%n_nodes = system%cells%n_nodes
+      scene%n_dofs = system%dofs%n_dofs
+      scene%n_entries = system%pattern%n_entries
+      scene%memory = points_memory(model%points) + system_memory(system)
+   end subroutine report_scene
+
+   !> What happened in a step; the model has moved on, the system has not.
+   subroutine report_step(report, model, system, newton)
+      !> Facts to collect; the caller adds number, halvings and times.
+      type(step_report_type), intent(out) :: report
+      !> The scene at the end of the step.
+      type(model_type), intent(in) :: model
+      !> The system in equilibrium.
+      type(system_type), intent(in) :: system
+      !> How the iteration went.
+      type(newton_type), intent(in) :: newton
+
+      report%time = model%time
+      report%load_factor = model%time/model%schedule%end_time(size(model%schedule%end_time))
+      report%time_increment = system%end_time - system%start_time
+      report%n_iterations = newton%n_iterations
+      report%residuals = newton%residuals
+      report%n_cells = system%cells%n_cells
+      report%n_nodes = system%cells%n_nodes
+      report%n_dofs = system%dofs%n_dofs
+      report%has_reused_pattern = system%has_reused_pattern
+      report%loaded_lengths = system%stations%loaded_length
+      report%body_force = sum(system%external, dim=2)
+      report%boundary_reactions = system%boundary_reaction
+      call sum_fixity_reactions(report, model, system)
+      call measure_penetrations(report, model)
+      call collect_warnings(report, model, system)
+   end subroutine report_step
+
+   !> Force of every fixity on the body: what the held components lack in balance.
+   subroutine sum_fixity_reactions(report, model, system)
+      type(step_report_type), intent(inout) :: report
+      type(model_type), intent(in) :: model
+      type(system_type), intent(in) :: system
+      real(wp), allocatable :: unbalanced(:, :)
+      real(wp) :: reduced(system%dofs%n_dofs)
+      integer :: node, i, f
+
+      allocate (report%fixity_reactions(2, size(model%fixities)), source=0.0_wp)
+      if (size(model%fixities) == 0) return
+      unbalanced = system%internal + system%boundary - system%external
+      call reduce(system%dofs, unbalanced, reduced)
+      do node = 1, size(unbalanced, 2)
+         do i = 1, 2
+            f = system%dofs%fixity(i, node)
+            if (f == 0) cycle
+            report%fixity_reactions(i, f) = report%fixity_reactions(i, f) + unbalanced(i, node)
+         end do
+      end do
+   end subroutine sum_fixity_reactions
+
+   !> Depth of the deepest point behind every boundary, among the points whose foot lies on one of
+   !> its segments.
+   pure subroutine measure_penetrations(report, model)
+      type(step_report_type), intent(inout) :: report
+      type(model_type), intent(in) :: model
+      type(segment_type) :: segment
+      integer :: b, s
+
+      allocate (report%penetrations(size(model%boundaries)), source=0.0_wp)
+      do b = 1, size(model%boundaries)
+         associate (vertices => model%boundaries(b)%vertices)
+            do s = 1, size(vertices, 2) - 1
+               call new_segment(segment, vertices(:, s), vertices(:, s + 1))
+               report%penetrations(b) = max(report%penetrations(b), &
+                                            depth_behind(segment, model%points%position))
+            end do
+         end associate
+      end do
+   end subroutine measure_penetrations
+
+   !> Depth of the deepest point behind a segment, 0 if none is.
+   pure function depth_behind(segment, position) result(depth)
+      type(segment_type), intent(in) :: segment
+      real(wp), intent(in) :: position(:, :)
+      real(wp) :: depth
+      real(wp) :: offset(2), along
+      integer :: p
+
+      depth = 0.0_wp
+      do p = 1, size(position, 2)
+         offset = position(:, p) - segment%first
+         if (dot_product(offset, segment%normal) >= -depth) cycle
+         along = dot_product(offset, segment%tangent)
+         if (along < 0.0_wp .or. along > segment%length) cycle
+         depth = -dot_product(offset, segment%normal)
+      end do
+   end function depth_behind
+
+   !> What the user should know although the step succeeded.
+   pure subroutine collect_warnings(report, model, system)
+      type(step_report_type), intent(inout) :: report
+      type(model_type), intent(in) :: model
+      type(system_type), intent(in) :: system
+      integer :: b
+
+      report%warnings = ""
+      do b = 1, size(model%boundaries)
+         associate (loaded => system%stations%loaded_length(b), &
+                    lost => system%stations%lost_length(b), boundary => model%boundaries(b))
+            if (lost > notable_share*(loaded + lost)) then
+               call add_warning(report%warnings, "boundary "//boundary%name//": " &
+                                //to_text(lost, 3)//" of its length reach material but carry no" &
+                                //" load, since the cells there are empty or left out")
+            else if (.not. (loaded > 0.0_wp .or. boundary%may_start_apart)) then
+               call add_warning(report%warnings, "boundary "//boundary%name &
+                                //" holds no material")
+            end if
+         end associate
+      end do
+   end subroutine collect_warnings
+
+   !> Append a line.
+   pure subroutine add_warning(warnings, line)
+      character(len=:), allocatable, intent(inout) :: warnings
+      character(len=*), intent(in) :: line
+
+      if (len(warnings) > 0) warnings = warnings//new_line("a")
+      warnings = warnings//line
+   end subroutine add_warning
+
+end module coulter_step_report

@@ -1,0 +1,70 @@
+!> One load step, or a part of one: locate, number, solve, accept.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_step
+   use coulter_base_kinds, only: wp
+   use coulter_base_text, only: to_text
+   use coulter_model, only: model_type
+   use coulter_model_observer, only: phase_accept, phase_locate, phase_number, step_report_type
+   use coulter_step_accept, only: accept_step
+   use coulter_step_assembly, only: apply_body_force
+   use coulter_step_newton, only: newton_type, solve_newton
+   use coulter_step_report, only: report_step
+   use coulter_step_system, only: find_participants, number_system, system_type
+   implicit none(type, external)
+   private
+   public :: advance_step
+
+contains
+
+   !> Take the model from `model%time` to `end_time`. On failure the model is as it was.
+   subroutine advance_step(model, system, end_time, report, failure)
+      !> Scene; moves on if the step succeeds.
+      type(model_type), intent(inout) :: model
+      !> Workspace, kept from step to step.
+      type(system_type), intent(inout) :: system
+      !> Time to reach.
+      real(wp), intent(in) :: end_time
+      !> What happened in a step that succeeded.
+      type(step_report_type), intent(out) :: report
+      !> Why the step failed; unallocated when it succeeded.
+      character(len=:), allocatable, intent(out) :: failure
+      type(newton_type) :: newton
+
+      system%start_time = model%time
+      system%end_time = end_time
+      call prepare_system(model, system, failure)
+      if (allocated(failure)) return
+      call apply_body_force(system, model)
+      call solve_newton(newton, system, model)
+      if (allocated(newton%failure)) then
+         call move_alloc(newton%failure, failure)
+         return
+      end if
+      call system%watch%start(phase_accept)
+      call accept_step(model, system, failure)
+      if (.not. allocated(failure)) call report_step(report, model, system, newton)
+      call system%watch%stop()
+   end subroutine advance_step
+
+   !> Who takes part, and which are the unknowns.
+   subroutine prepare_system(model, system, failure)
+      type(model_type), intent(in) :: model
+      type(system_type), intent(inout) :: system
+      character(len=:), allocatable, intent(out) :: failure
+      integer :: first_outside
+      logical :: has_failed
+
+      call system%watch%start(phase_locate)
+      call find_participants(system, model, first_outside)
+      call system%watch%stop()
+      if (first_outside > 0) then
+         failure = "point "//to_text(first_outside)//" is outside the grid"
+         return
+      end if
+      call system%watch%start(phase_number)
+      call number_system(system, model, has_failed)
+      call system%watch%stop()
+      if (has_failed) failure = "the sparsity pattern cannot be analysed (out of memory?)"
+   end subroutine prepare_system
+
+end module coulter_step
