@@ -5,7 +5,7 @@ module coulter_base_polygon
    implicit none(type, external)
    private
    public :: polygon_type, clip_half_plane, clip_box, area_and_centroid, overlap_area
-   public :: distance_to_segment, contains_point
+   public :: polyline_distance
 
    !> A polygon that can shrink and grow; corners beyond `n` are not meaningful.
    type :: polygon_type
@@ -132,6 +132,47 @@ contains
       call area_and_centroid(part%corner(:, :part%n), area, centroid)
       area = area*sign(1.0_wp, orientation)
    end function triangle_overlap
+
+   !> Least distance between an open polyline and a polygon with its interior.
+   pure function polyline_distance(polyline, corner) result(distance)
+      !> Points of the polyline, shape (2, >= 2).
+      real(wp), intent(in) :: polyline(:, :)
+      !> Corners of the polygon, shape (2, >= 3).
+      real(wp), intent(in) :: corner(:, :)
+      real(wp) :: distance
+      integer :: i, j, k
+
+      distance = huge(distance)
+      if (contains_point(corner, polyline(:, 1))) distance = 0.0_wp
+      do i = 1, size(polyline, 2) - 1
+         j = size(corner, 2)
+         do k = 1, size(corner, 2)
+            distance = min(distance, segment_distance(polyline(:, i), polyline(:, i + 1), &
+                                                      corner(:, j), corner(:, k)))
+            j = k
+         end do
+      end do
+   end function polyline_distance
+
+   !> Least distance between the segments a-b and c-d.
+   pure function segment_distance(a, b, c, d) result(distance)
+      real(wp), intent(in) :: a(2), b(2), c(2), d(2)
+      real(wp) :: distance
+
+      distance = 0.0_wp
+      if (side(a, b, c)*side(a, b, d) < 0.0_wp .and. side(c, d, a)*side(c, d, b) < 0.0_wp) return
+      distance = min(distance_to_segment(a, c, d), distance_to_segment(b, c, d), &
+                     distance_to_segment(c, a, b), distance_to_segment(d, a, b))
+   end function segment_distance
+
+   !> Positive when a point lies on the left of the line from `first` to `last`.
+   pure function side(first, last, position) result(value)
+      real(wp), intent(in) :: first(2), last(2), position(2)
+      real(wp) :: value
+
+      value = (last(1) - first(1))*(position(2) - first(2)) &
+         - (last(2) - first(2))*(position(1) - first(1))
+   end function side
 
    !> Is a point inside a simple polygon (corners counter-clockwise or not)?
    pure function contains_point(corner, position) result(is_inside)

@@ -12,7 +12,7 @@ module coulter_step
    use coulter_step_system, only: find_participants, number_system, system_type
    implicit none(type, external)
    private
-   public :: advance_step
+   public :: advance_step, prepare_system
 
 contains
 
@@ -48,8 +48,11 @@ contains
 
    !> Who takes part, and which are the unknowns.
    subroutine prepare_system(model, system, failure)
+      !> Scene at the start of the step.
       type(model_type), intent(in) :: model
+      !> System to set up.
       type(system_type), intent(inout) :: system
+      !> Why it cannot be set up; unallocated when it is.
       character(len=:), allocatable, intent(out) :: failure
       integer :: first_outside
       logical :: has_failed

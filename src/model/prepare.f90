@@ -1,0 +1,182 @@
+!> From the description of a scene to a model that can run: check it as a whole, seed its points.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_model_prepare
+   use coulter_base_faults, only: fault_list_type
+   use coulter_base_kinds, only: wp
+   use coulter_base_polygon, only: area_and_centroid, overlap_area, polyline_distance
+   use coulter_base_text, only: to_text
+   use coulter_model, only: model_type
+   use coulter_points_seeding, only: seed_initial_stress, seed_points
+   implicit none(type, external)
+   private
+   public :: prepare_model
+
+   !> Regions may overlap by this share of the smaller one: round-off of the deck's digits.
+   real(wp), parameter :: accepted_overlap = 1.0e-6_wp
+
+   !> A region with its place in the list of all regions, bodies in order.
+   type :: located_region_type
+      integer :: number = 0, body = 0
+      real(wp), allocatable :: vertices(:, :)
+      real(wp) :: area = 0.0_wp
+   end type located_region_type
+
+contains
+
+   !> Check what only the whole scene can tell, and fill the bodies with points. All faults are
+   !> collected; the model can run when there are none.
+   subroutine prepare_model(model, faults)
+      !> Scene whose parts are valid by themselves; gets its points.
+      type(model_type), intent(inout) :: model
+      !> Faults found; regions are counted over all bodies in order.
+      type(fault_list_type), intent(inout) :: faults
+      type(located_region_type), allocatable :: regions(:)
+      integer :: known_faults
+
+      known_faults = faults%n_faults
+      call list_regions(model, regions)
+      call check_regions(model, regions, faults)
+      call check_overlaps(model, regions, faults)
+      call check_boundaries(model, regions, faults)
+      call check_fixities(model, faults)
+      if (faults%n_faults > known_faults) return
+      call seed_model(model)
+      if (model%points%n_points == 0) call faults%add("region", 0, "", "no region holds material")
+   end subroutine prepare_model
+
+   !> All regions in one list.
+   pure subroutine list_regions(model, regions)
+      type(model_type), intent(in) :: model
+      type(located_region_type), allocatable, intent(out) :: regions(:)
+      real(wp) :: centroid(2)
+      integer :: b, r, n
+
+      n = 0
+      do b = 1, size(model%bodies)
+         n = n + size(model%bodies(b)%regions)
+      end do
+      allocate (regions(n))
+      n = 0
+      do b = 1, size(model%bodies)
+         do r = 1, size(model%bodies(b)%regions)
+            n = n + 1
+            regions(n)%number = n
+            regions(n)%body = b
+            regions(n)%vertices = model%bodies(b)%regions(r)%vertices
+            call area_and_centroid(regions(n)%vertices, regions(n)%area, centroid)
+         end do
+      end do
+   end subroutine list_regions
+
+   !> Every region must lie in the grid.
+   subroutine check_regions(model, regions, faults)
+      type(model_type), intent(in) :: model
+      type(located_region_type), intent(in) :: regions(:)
+      type(fault_list_type), intent(inout) :: faults
+      integer :: r, v
+
+      do r = 1, size(regions)
+         do v = 1, size(regions(r)%vertices, 2)
+            if (model%grid%contains_position(regions(r)%vertices(:, v))) cycle
+            call faults%add("region", r, "", "corner ("//to_text(regions(r)%vertices(:, v)) &
+                            //") is outside the grid, which spans ("//to_text(model%grid%origin) &
+                            //") to ("//to_text(model%grid%upper_corner())//")")
+            exit
+         end do
+      end do
+   end subroutine check_regions
+
+   !> No two regions may share material.
+   subroutine check_overlaps(model, regions, faults)
+      type(model_type), intent(in) :: model
+      type(located_region_type), intent(in) :: regions(:)
+      type(fault_list_type), intent(inout) :: faults
+      real(wp) :: shared
+      integer :: i, j
+
+      do i = 2, size(regions)
+         do j = 1, i - 1
+            shared = overlap_area(regions(j)%vertices, regions(i)%vertices)
+            if (shared <= accepted_overlap*min(regions(i)%area, regions(j)%area)) cycle
+            call faults%add("region", i, "", "overlaps region "//to_text(j)//" of body " &
+                            //model%bodies(regions(j)%body)%name//" by an area of " &
+                            //to_text(shared, 4)//"; regions must not overlap")
+         end do
+      end do
+   end subroutine check_overlaps
+
+   !> A boundary must have segments, and reach material unless it says otherwise.
+   subroutine check_boundaries(model, regions, faults)
+      type(model_type), intent(in) :: model
+      type(located_region_type), intent(in) :: regions(:)
+      type(fault_list_type), intent(inout) :: faults
+      real(wp) :: distance, spacing
+      integer :: b, r
+
+      spacing = model%grid%smallest_spacing()
+      do b = 1, size(model%boundaries)
+         associate (boundary => model%boundaries(b))
+            if (shortest_segment(boundary%vertices) <= 1.0e-9_wp*spacing) then
+               call faults%add("boundary", b, "vertices", "two corners in a row coincide")
+               cycle
+            end if
+            if (boundary%may_start_apart) cycle
+            distance = huge(distance)
+            do r = 1, size(regions)
+               distance = min(distance, &
+                              polyline_distance(boundary%vertices, regions(r)%vertices))
+            end do
+            if (distance <= spacing) cycle
+            call faults%add("boundary", b, "", "touches no material: the nearest region is " &
+                            //to_text(distance, 4)//" away, more than the grid spacing; set" &
+                            //" may_start_apart if it meets material later")
+         end associate
+      end do
+   end subroutine check_boundaries
+
+   !> Length of the shortest segment of a polyline.
+   pure function shortest_segment(vertices) result(length)
+      real(wp), intent(in) :: vertices(:, :)
+      real(wp) :: length
+      integer :: s
+
+      length = huge(length)
+      do s = 1, size(vertices, 2) - 1
+         length = min(length, norm2(vertices(:, s + 1) - vertices(:, s)))
+      end do
+   end function shortest_segment
+
+   !> The box of a fixity must meet the grid.
+   subroutine check_fixities(model, faults)
+      type(model_type), intent(in) :: model
+      type(fault_list_type), intent(inout) :: faults
+      integer :: f
+
+      do f = 1, size(model%fixities)
+         if (any(model%fixities(f)%lower > model%grid%upper_corner()) .or. &
+             any(model%fixities(f)%upper < model%grid%origin)) &
+            call faults%add("fixity", f, "", "its box lies outside the grid")
+      end do
+   end subroutine check_fixities
+
+   !> Points of all bodies with their initial stress.
+   subroutine seed_model(model)
+      type(model_type), intent(inout) :: model
+      integer :: b, i, n_state
+
+      n_state = 0
+      do i = 1, size(model%laws)
+         n_state = max(n_state, model%laws(i)%law%n_state)
+      end do
+      call seed_points(model%points, model%grid, model%bodies, n_state)
+      do b = 1, size(model%bodies)
+         associate (stress => model%bodies(b)%initial_stress)
+            if (.not. any(abs(stress) > 0.0_wp)) cycle
+            associate (item => model%laws(model%bodies(b)%law))
+               call seed_initial_stress(model%points, b, item%law%elastic_strain(stress), stress)
+            end associate
+         end associate
+      end do
+   end subroutine seed_model
+
+end module coulter_model_prepare

@@ -1,0 +1,136 @@
+!> The time loop: load steps, halved where they fail.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_step_run
+   use coulter_base_error, only: error_type, fatal_error
+   use coulter_base_kinds, only: wp
+   use coulter_base_text, only: to_text
+   use coulter_base_timer, only: new_stopwatch
+   use coulter_model, only: model_type
+   use coulter_model_observer, only: n_phases, observer_type, phase_output, scene_report_type, &
+      step_report_type
+   use coulter_step, only: advance_step, prepare_system
+   use coulter_step_report, only: report_scene
+   use coulter_step_system, only: system_type
+   implicit none(type, external)
+   private
+   public :: run_model, describe_scene
+
+contains
+
+   !> Run all load steps of a prepared model and tell the observer.
+   subroutine run_model(model, observer, error)
+      !> Prepared model at its start; on return as it was last accepted.
+      type(model_type), intent(inout) :: model
+      !> Who is told.
+      class(observer_type), intent(inout) :: observer
+      !> Set when a step fails for good or the observer gives up.
+      type(error_type), allocatable, intent(out) :: error
+      type(system_type) :: system
+      type(scene_report_type) :: scene
+      integer :: step
+
+      call new_stopwatch(system%watch, n_phases)
+      call describe_system(model, system, scene, error)
+      if (.not. allocated(error)) call observer%start(model, scene, error)
+      if (.not. allocated(error)) then
+         do step = 1, size(model%schedule%end_time)
+            call run_load_step(model, system, step, observer, error)
+            if (allocated(error)) exit
+         end do
+         call observer%finish(model, error)
+      end if
+      call system%solver%release()
+   end subroutine run_model
+
+   !> Facts about a prepared model without running it.
+   subroutine describe_scene(model, scene, error)
+      !> Prepared model.
+      type(model_type), intent(in) :: model
+      !> Facts about it.
+      type(scene_report_type), intent(out) :: scene
+      !> Set when it cannot be described.
+      type(error_type), allocatable, intent(out) :: error
+      type(system_type) :: system
+
+      call new_stopwatch(system%watch, n_phases)
+      call describe_system(model, system, scene, error)
+      call system%solver%release()
+   end subroutine describe_scene
+
+   !> Set up the first system and report on it.
+   subroutine describe_system(model, system, scene, error)
+      type(model_type), intent(in) :: model
+      type(system_type), intent(inout) :: system
+      type(scene_report_type), intent(out) :: scene
+      type(error_type), allocatable, intent(out) :: error
+      character(len=:), allocatable :: failure
+
+      call prepare_system(model, system, failure)
+      if (allocated(failure)) then
+         call fatal_error(error, "the scene cannot start: "//failure)
+      else
+         call report_scene(scene, model, system)
+      end if
+   end subroutine describe_system
+
+   !> One load step, in one go or in parts: a part that fails is repeated with half its size.
+   subroutine run_load_step(model, system, step, observer, error)
+      type(model_type), intent(inout) :: model
+      type(system_type), intent(inout) :: system
+      integer, intent(in) :: step
+      class(observer_type), intent(inout) :: observer
+      type(error_type), allocatable, intent(out) :: error
+      type(step_report_type) :: report
+      character(len=:), allocatable :: failure
+      real(wp) :: last_time, increment, seconds(n_phases)
+      integer :: n_halvings
+
+      last_time = model%schedule%end_time(step)
+      increment = last_time - model%time
+      n_halvings = 0
+      seconds = system%watch%seconds
+      do while (model%time < last_time)
+         call advance_step(model, system, end_of_part(model%time, increment, last_time), &
+                           report, failure)
+         if (allocated(failure)) then
+            n_halvings = n_halvings + 1
+            increment = 0.5_wp*increment
+            if (n_halvings <= model%control%max_halvings) cycle
+            call fatal_error(error, failure_message(model, step, n_halvings - 1, failure))
+            return
+         end if
+         report%step = step
+         report%is_complete = model%time >= last_time
+         report%n_halvings = n_halvings
+         report%phase_seconds = system%watch%seconds - seconds
+         seconds = system%watch%seconds
+         call system%watch%start(phase_output)
+         call observer%step_done(model, report, error)
+         call system%watch%stop()
+         if (allocated(error)) return
+      end do
+   end subroutine run_load_step
+
+   !> End of the next part; the last one ends exactly with the load step.
+   pure function end_of_part(time, increment, last_time) result(end_time)
+      real(wp), intent(in) :: time, increment, last_time
+      real(wp) :: end_time
+
+      end_time = time + increment
+      if (end_time > last_time - 1.0e-6_wp*increment) end_time = last_time
+   end function end_of_part
+
+   !> Why and where the run ends.
+   pure function failure_message(model, step, n_halvings, failure) result(message)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: step, n_halvings
+      character(len=*), intent(in) :: failure
+      character(len=:), allocatable :: message
+
+      message = "step "//to_text(step)//" of "//to_text(size(model%schedule%end_time)) &
+         //" failed at time "//to_text(model%time)
+      if (n_halvings > 0) message = message//", even when halved "//to_text(n_halvings)//" times"
+      message = message//": "//failure
+   end function failure_message
+
+end module coulter_step_run
