@@ -44,7 +44,7 @@ module funit
    abstract interface
       function to_string(this) result(string)
          import AbstractTestParameter
-         implicit none
+         implicit none(type, external)
          class(AbstractTestParameter), intent(in) :: this
          character(len=:), allocatable :: string
       end function to_string

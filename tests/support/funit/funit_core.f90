@@ -124,6 +124,7 @@ contains
                failure%text
          end associate
       end do
+      flush (output_unit)   ! a later test may crash
    end subroutine end_test
 
    !> Note a disabled test
