@@ -20,7 +20,8 @@ install(FILES
   ${PROJECT_SOURCE_DIR}/cmake/FindUMFPACK.cmake
   DESTINATION ${config_dir})
 
-# pkg-config coulter
+# pkg-config coulter; its paths are relative, so that the installation can be moved
+file(RELATIVE_PATH pkgconfig_to_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 configure_file(${PROJECT_SOURCE_DIR}/cmake/coulter.pc.in
   ${PROJECT_BINARY_DIR}/generated/coulter.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/generated/coulter.pc
