@@ -1,4 +1,4 @@
-# add_pfunit_ctest(name TEST_SOURCES a.pf ... [LINK_LIBRARIES ...] [WORKING_DIRECTORY ...])
+# add_pfunit_ctest(name TEST_SOURCES a.pf ... [LINK_LIBRARIES ...])
 #
 # Stands in for pFUnit's function of that name where pFUnit is not installed: builds one program
 # from the .pf files with the substitute in tests/support/funit and adds it as one ctest row.
@@ -15,7 +15,7 @@ set_target_properties(funit PROPERTIES
 target_include_directories(funit PUBLIC ${PROJECT_BINARY_DIR}/tests/funit)
 
 function(add_pfunit_ctest name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "WORKING_DIRECTORY" "TEST_SOURCES;LINK_LIBRARIES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "TEST_SOURCES;LINK_LIBRARIES")
   set(folder ${CMAKE_CURRENT_BINARY_DIR}/${name}.dir)
   set(suite_calls "")
   set(sources ${folder}/driver.f90)
@@ -40,5 +40,5 @@ end program driver
   set_target_properties(${name} PROPERTIES Fortran_MODULE_DIRECTORY ${folder}/modules)
   target_include_directories(${name} PRIVATE ${folder}/modules)
   target_link_libraries(${name} PRIVATE funit ${arg_LINK_LIBRARIES})
-  add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${arg_WORKING_DIRECTORY})
+  add_test(NAME ${name} COMMAND ${name})
 endfunction()
