@@ -32,7 +32,8 @@ def run(tmp_path, runtime, text):
     made = preprocess(tmp_path, text)
     assert made.returncode == 0, made.stderr
     (tmp_path / "driver.f90").write_text(
-        "program driver\nuse funit\ncall test_x_suite()\ncall finish_run()\nend\n", encoding="utf-8")
+        "program driver\nuse funit\ncall test_x_suite()\ncall finish_run()\nend\n",
+        encoding="utf-8")
     built = subprocess.run(
         ["gfortran", *FLAGS, f"-I{runtime}", "test_x.F90", "driver.f90",
          *sorted(runtime.glob("*.o")), "-o", "x"],
@@ -147,13 +148,14 @@ def test_a_failure_names_its_line_and_ends_its_test_only(tmp_path, runtime):
 def test_before_and_after_enclose_every_test(tmp_path, runtime):
     hooks = ("@before\nsubroutine b()\nprint '(a)', 'before'\nend subroutine b\n"
              "@after\nsubroutine a()\nprint '(a)', 'after'\nend subroutine a\n")
-    status, output = run(tmp_path, runtime, module("print '(a)', '1'", "print '(a)', '2'", before=hooks))
+    text = module("print '(a)', '1'", "print '(a)', '2'", before=hooks)
+    status, output = run(tmp_path, runtime, text)
     assert (status, output) == (0, "before\n1\nafter\nbefore\n2\nafter\n OK (2 tests)\n")
 
 
 def test_a_disabled_test_does_not_run(tmp_path, runtime):
-    text = module("@assertFail('ran')", "@assertTrue(.true.)").replace("@test\n", "@test\n@disable\n", 1)
-    status, output = run(tmp_path, runtime, text)
+    text = module("@assertFail('ran')", "@assertTrue(.true.)")
+    status, output = run(tmp_path, runtime, text.replace("@test\n", "@test\n@disable\n", 1))
     assert (status, output) == (0, "disabled: t1\n OK (1 tests, 1 disabled)\n")
 
 
@@ -221,7 +223,7 @@ GOOD = module("@assertTrue(.true.)")
     ("module test_x\n", "module test_x ! of x\n", "no comment behind the module"),
     ("use funit\n", "", "`use funit` is missing"),
     ("end module test_x", "end module test_x\nmodule y\nend module y", "one module per file"),
-    ("end module test_x", "end module test_x\nsubroutine y\nend subroutine y", "nothing may follow"),
+    ("end module test_x", "end module test_x\nsubroutine y\nend subroutine", "nothing may follow"),
     ("@test\n", "", "has no @test"),
     ("@test\n", "@test ! it\n", "no comment behind an annotation"),
     ("@test\n", "@test\n@test\n", "still waits"),

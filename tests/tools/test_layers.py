@@ -8,7 +8,7 @@ from check_layers import check
 SOURCE = Path(os.environ["COULTER_SOURCE_DIR"]) / "src"
 
 GOOD = {
-    "base/kinds.f90": "module coulter_base_kinds\nuse, intrinsic :: iso_fortran_env, only: wp => real64",
+    "base/kinds.f90": "module coulter_base_kinds\nuse, intrinsic :: iso_c_binding, only: c_int",
     "grid/grid.f90": "module coulter_grid\nuse coulter_base_kinds, only: &\n   & wp ! use nothing",
     "law/elastic.f90": "module coulter_law_elastic\nuse coulter_base_kinds, only: wp",
     "points/points.f90": "module coulter_points\nuse coulter_grid, only: grid_type",

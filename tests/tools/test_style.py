@@ -11,9 +11,8 @@ ROOT = Path(os.environ["COULTER_SOURCE_DIR"])
 
 def fortitude(*paths):
     program = Path(sys.executable).parent / "fortitude"
-    return subprocess.run(
-        [program, "--config", ROOT / "fortitude.toml", "check", "--output-format", "concise", *paths],
-        cwd=ROOT, capture_output=True, text=True, check=False)
+    command = [program, "--config", ROOT / "fortitude.toml", "check", "--output-format", "concise"]
+    return subprocess.run([*command, *paths], cwd=ROOT, capture_output=True, text=True, check=False)
 
 
 @pytest.mark.parametrize("folder", ["src", "tests/support"])

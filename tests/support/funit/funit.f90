@@ -1,3 +1,4 @@
+! SPDX-License-Identifier: BSD-3-Clause
 !> What a .pf file uses of pFUnit: `use funit` where pFUnit itself is not installed.
 module funit
    use funit_core, only: SourceLocation, throw, anyExceptions, &

@@ -1,3 +1,4 @@
+! SPDX-License-Identifier: BSD-3-Clause
 !> Asserts on logicals, texts, shapes and raised failures.
 module funit_basic
    use funit_core, only: SourceLocation, catch, conform, require, throw

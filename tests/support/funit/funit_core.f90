@@ -1,3 +1,4 @@
+! SPDX-License-Identifier: BSD-3-Clause
 !> Where a test run keeps its books: the failures of the running test and the count of all tests.
 module funit_core
    use, intrinsic :: iso_fortran_env, only: output_unit

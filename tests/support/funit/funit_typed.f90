@@ -1,3 +1,4 @@
+! SPDX-License-Identifier: BSD-3-Clause
 !> Asserts on reals and integers: one text for each, compiled here for two kinds of each.
 module funit_real64
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan

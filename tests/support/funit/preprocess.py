@@ -12,7 +12,7 @@ from pathlib import Path
 
 MAX_NAME = 43  # pFUnit derives longer names from these
 
-# assert -> (operands, extra arguments that pFUnit takes by keyword, one of which may be positional)
+# Number of operands, keywords that may follow them, how many of these may go without keyword.
 COMPARISON = {"operands": 2, "keywords": {"message"}}
 ASSERTS = {
     "equal": {"operands": 2, "keywords": {"tolerance", "message"}},
@@ -76,7 +76,7 @@ class Translator:
         self.name = self.path.stem
         self.lines = self.path.read_text(encoding="utf-8").splitlines()
         self.out = []
-        self.tests = []       # dictionaries: name, line, argument, disabled, and cases or parameters
+        self.tests = []       # dictionaries: name, line, argument, disabled, cases, testParameters
         self.fixtures = {}    # "before", "after", "testcase", "testparameter" -> name
         self.options = {}     # options of @testCase and @testParameter
         self.pending = None   # annotation that waits for its subroutine or type, with its line
@@ -104,7 +104,8 @@ class Translator:
         code = [(n, text) for n, text in code if text]
         self.check_name(0, self.name)
         if not code or not re.fullmatch(rf"module\s+{self.name.lower()}", code[0][1]):
-            raise Refused(code[0][0] if code else 0, f"the file must open with `module {self.name}`")
+            line = code[0][0] if code else 0
+            raise Refused(line, f"the file must open with `module {self.name}`")
         first = code[0][0]
         if "!" in self.lines[first - 1]:
             raise Refused(first, "no comment behind the module statement")
@@ -161,7 +162,7 @@ class Translator:
             name, arguments = "assertTrue", [f"associated({', '.join(operands + positional)})"]
             arguments += extra[len(positional):]
         arguments.append(f"location=SourceLocation('{self.path.name}', {number})")
-        return (f"call {name}({', '.join(arguments)}); if (anyExceptions()) return")
+        return f"call {name}({', '.join(arguments)}); if (anyExceptions()) return"
 
     def mark(self, number, word, arguments):
         """Remember an annotation until the subroutine or type that follows it."""
@@ -253,7 +254,8 @@ class Translator:
             if "disabled" in test:
                 out.append(f"   call skip_test('{name}')")
             elif parameter:
-                expression = test.get("testParameters") or self.options["testcase"].get("testParameters")
+                expression = test.get("testParameters",
+                                      self.options["testcase"].get("testParameters"))
                 if "cases" in test:
                     make = self.options["testparameter"]["constructor"]
                     expression = "[" + ", ".join(
