@@ -1,0 +1,139 @@
+!> Summary of a scene for the head of the run log.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_results_log_scene
+   use coulter_base_kinds, only: long, wp
+   use coulter_base_text, only: to_text
+   use coulter_boundary, only: boundary_type, kind_roller
+   use coulter_model, only: model_type
+   use coulter_model_control, only: small_cells_aggregate, small_cells_drop
+   use coulter_model_observer, only: scene_report_type
+   use coulter_results_log_text, only: bytes_text, grouped, left, right
+   implicit none(type, external)
+   private
+   public :: write_scene, name_width
+
+   !> Width of the labels on the left.
+   integer, parameter :: label_width = 14
+   !> Width of the counts behind them.
+   integer, parameter :: count_width = 11
+
+contains
+
+   !> Write the summary.
+   subroutine write_scene(unit, model, scene)
+      !> Unit to write to.
+      integer, intent(in) :: unit
+      !> Model in its initial state.
+      type(model_type), intent(in) :: model
+      !> Facts about the scene.
+      type(scene_report_type), intent(in) :: scene
+
+      write (unit, "(a)") ""
+      if (allocated(model%title)) write (unit, "(a, /)") model%title
+      call write_count("points", int(scene%n_points, long), &
+                       "in "//plural(size(model%bodies), "body", "bodies"))
+      call write_count("active cells", int(scene%n_cells, long), &
+                       "of "//grouped(scene%n_grid_cells))
+      call write_count("nodes", int(scene%n_nodes, long), "")
+      call write_count("unknowns", int(scene%n_dofs, long), &
+                       grouped(int(scene%n_entries, long))//" matrix entries, " &
+                       //bytes_text(scene%memory))
+      call write_count("steps", int(size(model%schedule%end_time), long), "")
+      call write_boundaries(unit, model)
+      write (unit, "(2x, 2a)") left("not needed", label_width), not_needed(model)
+
+   contains
+
+      !> Write a labelled count.
+      subroutine write_count(label, number, remark)
+         character(len=*), intent(in) :: label, remark
+         integer(long), intent(in) :: number
+
+         write (unit, "(2x, a)") trim(left(label, label_width) &
+                                      //right(grouped(number), count_width)//"   "//remark)
+      end subroutine write_count
+
+   end subroutine write_scene
+
+   !> Length of the longest name of a boundary.
+   pure function name_width(boundaries) result(width)
+      !> Boundaries of the model.
+      type(boundary_type), intent(in) :: boundaries(:)
+      integer :: width
+      integer :: i
+
+      width = 0
+      do i = 1, size(boundaries)
+         width = max(width, len(boundaries(i)%name))
+      end do
+   end function name_width
+
+   !> Write a line for every boundary.
+   subroutine write_boundaries(unit, model)
+      integer, intent(in) :: unit
+      type(model_type), intent(in) :: model
+      character(len=:), allocatable :: label
+      integer :: i, width
+
+      width = name_width(model%boundaries)
+      do i = 1, size(model%boundaries)
+         label = ""
+         if (i == 1) label = "boundaries"
+         associate (boundary => model%boundaries(i))
+            write (unit, "(2x, 4a)") left(label, label_width), left(boundary%name, width), &
+               "   ", formulation(boundary)
+         end associate
+      end do
+   end subroutine write_boundaries
+
+   !> How a boundary acts: "roller, penalty + coupling, moves by (-36, 0)".
+   pure function formulation(boundary) result(text)
+      type(boundary_type), intent(in) :: boundary
+      character(len=:), allocatable :: text
+
+      text = "fixed, penalty"
+      if (boundary%kind == kind_roller) text = "roller, penalty"
+      if (boundary%has_coupling_term) text = text//" + coupling"
+      if (boundary%has_memory) text = text//", traction memory"
+      if (any(abs(boundary%displacement) > 0.0_wp)) &
+         text = text//", moves by ("//to_text(boundary%displacement)//")"
+   end function formulation
+
+   !> What the scene leaves unused and the program therefore skips.
+   pure function not_needed(model) result(text)
+      type(model_type), intent(in) :: model
+      character(len=:), allocatable :: text
+
+      text = ""
+      if (.not. any(abs(model%body_force%acceleration) > 0.0_wp)) call append("body force")
+      if (size(model%fixities) == 0) call append("grid fixities")
+      if (.not. any(model%boundaries%has_memory)) call append("traction memory")
+      if (.not. any(model%boundaries%has_coupling_term)) call append("coupling term")
+      if (model%control%small_cells /= small_cells_aggregate) call append("cell aggregation")
+      if (model%control%small_cells /= small_cells_drop) call append("dropping of cells")
+      if (size(model%tables) == 0) call append("load tables")
+      if (text == "") text = "nothing left out"
+
+   contains
+
+      !> Continue the list.
+      pure subroutine append(item)
+         character(len=*), intent(in) :: item
+
+         if (text /= "") text = text//", "
+         text = text//item
+      end subroutine append
+
+   end function not_needed
+
+   !> "1 body", "2 bodies".
+   pure function plural(number, one, several) result(text)
+      integer, intent(in) :: number
+      character(len=*), intent(in) :: one, several
+      character(len=:), allocatable :: text
+
+      text = to_text(number)//" "//several
+      if (number == 1) text = to_text(number)//" "//one
+   end function plural
+
+end module coulter_results_log_scene

@@ -1,0 +1,240 @@
+!> Run log: what a person wants to see while a run goes on.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_results_run_log
+   use coulter_base_error, only: error_type, fatal_error
+   use coulter_base_kinds, only: wp
+   use coulter_base_text, only: to_text
+   use coulter_base_timer, only: wall_seconds
+   use coulter_model, only: model_type
+   use coulter_model_observer, only: n_phases, observer_type, phase_names, scene_report_type, &
+      step_report_type
+   use coulter_results_log_scene, only: name_width, write_scene
+   use coulter_results_log_text, only: left, progress_bar, right, scaled_real
+   implicit none(type, external)
+   private
+   public :: run_log_type, new_run_log
+
+   !> Writes a line per step, with the reactions below it, and a summary at both ends.
+   type, extends(observer_type) :: run_log_type
+      private
+      !> Unit to write to.
+      integer :: unit = 0
+      !> Is a progress bar kept below the last line?
+      logical :: has_progress_bar = .false.
+      !> Wall and processor time at the start, seconds.
+      real(wp) :: wall_start = 0.0_wp, cpu_start = 0.0_wp
+      !> Wall time by phase so far, seconds.
+      real(wp) :: phase_seconds(n_phases) = 0.0_wp
+      !> Whole steps and iterations so far.
+      integer :: n_steps = 0, n_iterations = 0
+   contains
+      procedure :: start => start_log
+      procedure :: step_done => log_step
+      procedure :: finish => finish_log
+   end type run_log_type
+
+   !> Columns of the step table.
+   character(len=*), parameter :: step_heading = &
+      "  step        time    load  iterations    residual   seconds"
+   !> Most characters of a line.
+   integer, parameter :: line_width = 100
+   !> Width of a number in the reactions.
+   integer, parameter :: force_width = 10
+   !> Return to the start of the line and clear it, on terminals that understand ANSI.
+   character(len=*), parameter :: clear_line = achar(13)//achar(27)//"[2K"
+
+contains
+
+   !> Make a log.
+   pure subroutine new_run_log(log, unit, has_progress_bar)
+      !> Log to make.
+      type(run_log_type), intent(out) :: log
+      !> Unit to write to, open for formatted output.
+      integer, intent(in) :: unit
+      !> Is a progress bar wanted? Only for terminals.
+      logical, intent(in) :: has_progress_bar
+
+      log%unit = unit
+      log%has_progress_bar = has_progress_bar
+   end subroutine new_run_log
+
+   !> See `observer_type`: write the summary of the scene and the heading of the step table.
+   subroutine start_log(self, model, scene, error)
+      class(run_log_type), intent(inout) :: self
+      !> The model at time 0.
+      type(model_type), intent(in) :: model
+      !> Facts about the scene.
+      type(scene_report_type), intent(in) :: scene
+      !> Set when nothing can be written.
+      type(error_type), allocatable, intent(out) :: error
+
+      self%wall_start = wall_seconds()
+      call cpu_time(self%cpu_start)
+      call write_scene(self%unit, model, scene)
+      write (self%unit, "(/, a)") step_heading
+      if (size(model%boundaries) > 0) &
+         write (self%unit, "(8x, a)") "force x, y of each boundary on the body"//in_unit()
+      write (self%unit, "(a)") ""
+      call show_progress(self, 0.0_wp, error)
+
+   contains
+
+      !> Unit of forces, where it is known.
+      function in_unit() result(text)
+         character(len=:), allocatable :: text
+
+         text = ""
+         if (.not. allocated(model%units%force)) return
+         if (model%units%force /= "") text = ", "//model%units%force
+      end function in_unit
+
+   end subroutine start_log
+
+   !> See `observer_type`: write the line of a step, its reactions and its warnings.
+   subroutine log_step(self, model, report, error)
+      class(run_log_type), intent(inout) :: self
+      !> The model at the end of the step.
+      type(model_type), intent(in) :: model
+      !> What happened.
+      type(step_report_type), intent(in) :: report
+      !> Set when nothing can be written.
+      type(error_type), allocatable, intent(out) :: error
+
+      self%phase_seconds = self%phase_seconds + report%phase_seconds
+      self%n_iterations = self%n_iterations + report%n_iterations
+      if (report%is_complete) self%n_steps = self%n_steps + 1
+      call hide_progress(self)
+      write (self%unit, "(a)") step_line(report)
+      call write_reactions(self%unit, model, report)
+      if (allocated(report%warnings)) call write_warnings(self%unit, report%warnings)
+      call show_progress(self, report%load_factor, error)
+   end subroutine log_step
+
+   !> See `observer_type`: write how the run ended and where its time went.
+   subroutine finish_log(self, model, failure)
+      class(run_log_type), intent(inout) :: self
+      !> The model as it was last accepted.
+      type(model_type), intent(in) :: model
+      !> Why the run ended early; unallocated when it reached its end.
+      type(error_type), allocatable, intent(in) :: failure
+      character(len=:), allocatable :: verdict
+
+      call hide_progress(self)
+      verdict = "finished"
+      if (allocated(failure)) verdict = "stopped early, at time "//to_text(model%time)//","
+      write (self%unit, "(/, 2x, a)") verdict//" after "//to_text(self%n_steps)//" steps and " &
+         //to_text(self%n_iterations)//" iterations"
+      call write_timing(self)
+      flush (self%unit)
+   end subroutine finish_log
+
+   !> Line of a step; a part of a step that was halved is marked by "+".
+   function step_line(report) result(line)
+      type(step_report_type), intent(in) :: report
+      character(len=:), allocatable :: line
+      character(len=12) :: residual, seconds
+
+      residual = "-"
+      if (allocated(report%residuals)) &
+         write (residual, "(es12.1)") report%residuals(size(report%residuals))
+      write (seconds, "(f10.2)") sum(report%phase_seconds)
+      line = right(to_text(report%step), 6)//merge(" ", "+", report%is_complete) &
+         //right(to_text(report%time, 5), 11) &
+         //right(to_text(nint(100.0_wp*report%load_factor)), 6)//" %" &
+         //right(to_text(report%n_iterations), 12)//residual//trim(seconds)
+      if (report%n_halvings > 0) line = line//"   halved "//to_text(report%n_halvings)//" x"
+   end function step_line
+
+   !> Write the forces of all boundaries, equally many on every line.
+   subroutine write_reactions(unit, model, report)
+      integer, intent(in) :: unit
+      type(model_type), intent(in) :: model
+      type(step_report_type), intent(in) :: report
+      character(len=:), allocatable :: line
+      real(wp) :: scale
+      integer :: i, n, width, n_lines, n_per_line
+
+      n = size(model%boundaries)
+      if (n == 0 .or. .not. allocated(report%boundary_reactions)) return
+      scale = maxval(abs(report%boundary_reactions))
+      width = name_width(model%boundaries)
+      n_per_line = max((line_width - 8)/(width + 2*force_width + 4), 1)
+      n_lines = (n + n_per_line - 1)/n_per_line
+      n_per_line = (n + n_lines - 1)/n_lines
+      line = ""
+      do i = 1, n
+         line = line//left(model%boundaries(i)%name, width) &
+            //right(scaled_real(report%boundary_reactions(1, i), scale), force_width) &
+            //right(scaled_real(report%boundary_reactions(2, i), scale), force_width)//"    "
+         if (modulo(i, n_per_line) == 0 .or. i == n) then
+            write (unit, "(8x, a)") trim(line)
+            line = ""
+         end if
+      end do
+   end subroutine write_reactions
+
+   !> Write the warnings of a step, each on a line of its own.
+   subroutine write_warnings(unit, warnings)
+      integer, intent(in) :: unit
+      character(len=*), intent(in) :: warnings
+      integer :: first, last
+
+      first = 1
+      do while (first <= len(warnings))
+         last = index(warnings(first:), new_line("a")) + first - 2
+         if (last < first) last = len(warnings)
+         write (unit, "(8x, 2a)") "warning: ", warnings(first:last)
+         first = last + 2
+      end do
+   end subroutine write_warnings
+
+   !> Write the time of every phase and its share of the whole.
+   subroutine write_timing(self)
+      class(run_log_type), intent(in) :: self
+      real(wp) :: wall, cpu
+      integer :: i
+
+      call cpu_time(cpu)
+      wall = max(wall_seconds() - self%wall_start, tiny(wall))
+      write (self%unit, "(/, a)") "  phase        seconds     share"
+      do i = 1, n_phases
+         call write_row(phase_names(i), self%phase_seconds(i))
+      end do
+      call write_row("other", max(wall - sum(self%phase_seconds), 0.0_wp))
+      write (self%unit, "(2x, a9, f11.2, 3a)") "total    ", wall, &
+         "             processor time ", to_text(cpu - self%cpu_start, 3), " s"
+
+   contains
+
+      !> Write the row of a phase.
+      subroutine write_row(name, seconds)
+         character(len=*), intent(in) :: name
+         real(wp), intent(in) :: seconds
+
+         write (self%unit, "(2x, a9, f11.2, f8.1, a)") left(name, 9), seconds, &
+            100.0_wp*seconds/wall, " %"
+      end subroutine write_row
+
+   end subroutine write_timing
+
+   !> Draw the progress bar below the last line; without one, show what has been written.
+   subroutine show_progress(self, share, error)
+      class(run_log_type), intent(in) :: self
+      real(wp), intent(in) :: share
+      type(error_type), allocatable, intent(out) :: error
+      integer :: status
+
+      if (self%has_progress_bar) write (self%unit, "(2x, a)", advance="no") &
+         progress_bar(share, wall_seconds() - self%wall_start)
+      flush (self%unit, iostat=status)
+      if (status /= 0) call fatal_error(error, "the run log cannot be written")
+   end subroutine show_progress
+
+   !> Remove the progress bar.
+   subroutine hide_progress(self)
+      class(run_log_type), intent(in) :: self
+
+      if (self%has_progress_bar) write (self%unit, "(a)", advance="no") clear_line
+   end subroutine hide_progress
+
+end module coulter_results_run_log
