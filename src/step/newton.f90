@@ -74,17 +74,22 @@ contains
                    *(real(system%cells%cell_index(:, failed_cell), wp) - 0.5_wp))//")"
    end subroutine evaluate
 
-   !> Residual relative to the internal or external force. Penalty forces are left out of the
-   !> reference: they would hide everything else (theory, section 1).
+   !> Residual relative to the internal or external force; 1 while both vanish. Penalty forces are
+   !> left out of the reference: they would hide everything else (theory, section 1).
    subroutine measure(newton, system)
       type(newton_type), intent(inout) :: newton
       type(system_type), intent(in) :: system
-      real(wp) :: reference
+      real(wp) :: reference, residual
 
       reference = max(norm_of(system%internal), norm_of(system%external))
       call reduce_copy(system%internal + system%boundary - system%external, newton%unbalanced)
-      newton%residuals = [newton%residuals, &
-                          norm2(newton%unbalanced)/max(reference, tiny(reference))]
+      residual = norm2(newton%unbalanced)
+      if (reference > 0.0_wp) then
+         residual = residual/reference
+      else if (residual > 0.0_wp) then
+         residual = 1.0_wp
+      end if
+      newton%residuals = [newton%residuals, residual]
 
    contains
 
@@ -126,7 +131,7 @@ contains
             <= model%control%increment_tolerance*maxval(abs(newton%unknowns))
       end if
       if (is_done) return
-      is_done = newton%n_iterations >= model%control%max_iterations .or. residual > huge(residual)
+      is_done = newton%n_iterations >= model%control%max_iterations .or. .not. residual <= huge(residual)
       if (is_done) newton%failure = "no equilibrium after "//to_text(newton%n_iterations) &
          //" iterations, relative residual "//to_text(residual, 3)
    end subroutine judge
