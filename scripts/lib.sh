@@ -7,7 +7,7 @@ logs=$root/build/log
 
 # shellcheck disable=SC2034  # used by those who source this
 build_packages=(gfortran gcc g++ cmake ninja-build git
-   libsuitesparse-dev libopenblas-dev libhdf5-dev python3 python3-venv ca-certificates)
+   libsuitesparse-dev libopenblas-serial-dev libhdf5-dev python3 python3-venv ca-certificates)
 
 # phase NAME COMMAND...: one line on the screen, the output in build/log, shown if it fails
 phase() {
