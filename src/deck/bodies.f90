@@ -5,8 +5,8 @@ module coulter_deck_bodies
    use coulter_base_kinds, only: wp
    use coulter_deck_document, only: blame, deck_type, groups_named
    use coulter_deck_outline, only: new_polygon
-   use coulter_deck_values, only: check_unique_names, get_choice, get_list, get_reference, &
-      get_value, is_given
+   use coulter_deck_references, only: check_unique_names, get_reference
+   use coulter_deck_values, only: get_choice, get_list, get_value, is_given
    use coulter_law, only: hencky_type, law_item_type, new_hencky
    use coulter_points_body, only: body_type, region_type
    implicit none(type, external)
@@ -31,7 +31,7 @@ contains
          choice = 1
          call get_choice(deck, groups(i), "model", choice)
          select case (choice)
-         case (1)
+         case default
             call read_hencky(deck, groups(i), laws(i))
          end select
       end do
@@ -108,8 +108,9 @@ contains
          do i = 1, size(own)
             bodies(k)%regions(i) = regions(own(i))
          end do
-         if (size(own) == 0 .and. size(owner) > 0 .and. all(owner > 0)) &
-            call blame(deck, body_groups(k), "", "has no &region")
+         if (size(own) == 0 .and. size(owner) > 0 .and. all(owner > 0)) then
+           call blame(deck, body_groups(k), "", "has no &region")
+         end if
       end do
       ! faults of the deck count regions as the deck does, those of the model as the model does
       if (deck%faults%n_faults == 0) deck%region_order = order

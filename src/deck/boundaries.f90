@@ -5,8 +5,8 @@ module coulter_deck_boundaries
    use coulter_boundary, only: boundary_type, kind_fixed, kind_roller
    use coulter_deck_document, only: blame, deck_type, first_group, groups_named
    use coulter_deck_outline, only: new_polyline
-   use coulter_deck_values, only: check_unique_names, get_choice, get_list, get_reference, &
-      get_value, is_given
+   use coulter_deck_references, only: check_unique_names, get_reference
+   use coulter_deck_values, only: get_choice, get_list, get_value, is_given
    use coulter_grid, only: grid_type
    use coulter_model, only: fixity_type
    implicit none(type, external)
@@ -76,8 +76,9 @@ contains
       case default
          call get_value(deck, group, "lower", fixity%lower)
          call get_value(deck, group, "upper", fixity%upper)
-         if (has_lower .and. has_upper .and. any(fixity%upper < fixity%lower)) &
-            call blame(deck, group, "upper", "must not be less than `lower`")
+         if (has_lower .and. has_upper .and. any(fixity%upper < fixity%lower)) then
+           call blame(deck, group, "upper", "must not be less than `lower`")
+         end if
       end select
    end subroutine read_box
 
@@ -171,18 +172,20 @@ contains
       has_total = is_given(deck, group, "displacement")
       has_per_step = is_given(deck, group, "displacement_per_step")
       has_table = is_given(deck, group, "table")
-      if (kind == 2 .and. (has_total .or. has_per_step)) &
-         call blame(deck, group, "kind", "stays in place, but a displacement is given; a moving "// &
-                    "boundary is 'prescribed'")
-      if (has_total .and. has_per_step) &
+      if (kind == 2 .and. (has_total .or. has_per_step)) then
+        call blame(deck, group, "kind", "stays in place, but a displacement is given; a moving " &
+                    //"boundary is 'prescribed'")
+      end if
+      if (has_total .and. has_per_step) then
          call blame(deck, group, "displacement_per_step", &
                     "stands beside `displacement`; give one of them")
-      if (has_per_step .and. (has_table .or. .not. has_equal_steps(deck))) &
+      else if (has_per_step .and. (has_table .or. .not. has_equal_steps(deck))) then
          call blame(deck, group, "displacement_per_step", &
                     "needs equal steps (`count` in &steps) and no table; give `displacement`")
+      end if
       if (has_total .or. has_per_step .or. deck%groups(group)%is_broken) return
-      if (kind == 3) call blame(deck, group, "kind", "needs `displacement` or "// &
-                                "`displacement_per_step`")
+      if (kind == 3) call blame(deck, group, "kind", "needs `displacement` or " &
+                                //"`displacement_per_step`")
       if (has_table) call blame(deck, group, "table", "has no displacement to schedule")
    end subroutine check_motion
 

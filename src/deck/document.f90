@@ -6,7 +6,8 @@ module coulter_deck_document
    implicit none(type, external)
    private
    public :: deck_type, group_type, assignment_type
-   public :: groups_named, first_group, find_assignment, group_label, blame, blame_line, describe_faults
+   public :: groups_named, first_group, find_assignment, group_label
+   public :: blame, blame_line, describe_faults
 
    !> One `name = values`.
    type :: assignment_type

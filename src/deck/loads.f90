@@ -5,7 +5,8 @@ module coulter_deck_loads
    use coulter_base_table, only: new_table, table_type
    use coulter_base_text, only: to_text
    use coulter_deck_document, only: blame, deck_type, first_group, groups_named
-   use coulter_deck_values, only: check_unique_names, get_list, get_reference, get_value, is_given
+   use coulter_deck_references, only: check_unique_names, get_reference
+   use coulter_deck_values, only: get_list, get_value, is_given
    use coulter_model, only: body_force_type
    use coulter_model_control, only: schedule_type
    implicit none(type, external)
@@ -35,8 +36,9 @@ contains
          call get_list(deck, group, "end_times", schedule%end_time)
       end if
       if (allocated(schedule%end_time)) then
-         if (.not. is_increasing(schedule%end_time)) &
-            call blame(deck, group, "end_times", "must increase")
+         if (.not. is_increasing(schedule%end_time)) then
+           call blame(deck, group, "end_times", "must increase")
+         end if
       else
          schedule%end_time = [(real(i, wp)/real(n, wp), i=1, n)]
       end if

@@ -4,6 +4,8 @@
 !> internal files altogether, in a state in which later readings do nothing.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_deck_namelist
+   use, intrinsic :: ieee_exceptions, only: ieee_overflow, ieee_set_flag, ieee_set_halting_mode, &
+      ieee_get_halting_mode
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
@@ -41,21 +43,27 @@ contains
       character(len=len(written)) :: text_value
       character(len=256) :: remark
       integer :: unit, status
+      logical :: is_halting
       namelist /one/ real_value, integer_value, logical_value, text_value
 
       allocate (real_value(n), source=0.0_wp)
       allocate (integer_value(n), source=0)
       logical_value = .false.
       text_value = ""
-      remark = ""
       open (newunit=unit, status="scratch", iostat=status, iomsg=remark)
       if (status == 0) then
+         ! numbers such as 1e999 become infinite, also where overflow would end the program
+         call ieee_get_halting_mode(ieee_overflow, is_halting)
+         call ieee_set_halting_mode(ieee_overflow, .false.)
          write (unit, "(a)") "&one", type//"_value = "//written, "/"
          rewind (unit)
          read (unit, nml=one, iostat=status, iomsg=remark)
          close (unit)
+         call ieee_set_flag(ieee_overflow, .false.)
+         call ieee_set_halting_mode(ieee_overflow, is_halting)
       end if
-      message = trim(remark)
+      message = ""
+      if (status /= 0) message = trim(remark)
       value = value_type(real_value, integer_value, logical_value, trim(text_value))
    end subroutine read_value
 

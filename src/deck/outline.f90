@@ -30,8 +30,9 @@ contains
       else
          vertices = reshape(list, [2, n])
          do i = 1, n - 1
-            if (are_same(vertices(:, i), vertices(:, i + 1))) &
-               message = "corners "//to_text(i)//" and "//to_text(i + 1)//" are the same"
+            if (are_same(vertices(:, i), vertices(:, i + 1))) then
+              message = "corners "//to_text(i)//" and "//to_text(i + 1)//" are the same"
+            end if
          end do
       end if
       if (message /= "") vertices = reshape([real(wp) ::], [2, 0])
@@ -115,8 +116,9 @@ contains
 
       twice_area = (b(1) - a(1))*(c(2) - a(2)) - (b(2) - a(2))*(c(1) - a(1))
       side = 0
-      if (abs(twice_area) > tolerance*norm2(b - a)*norm2(c - a)) &
-         side = nint(sign(1.0_wp, twice_area))
+      if (abs(twice_area) > tolerance*norm2(b - a)*norm2(c - a)) then
+        side = nint(sign(1.0_wp, twice_area))
+      end if
    end function side_of
 
    !> Are two corners the same but for round-off?

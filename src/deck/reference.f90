@@ -8,40 +8,42 @@ module coulter_deck_reference
    public :: write_deck_reference
 
    !> What a user must know before the tables.
-   character(len=*), parameter :: introduction(*) = [character(len=100) :: &
+   character(len=*), parameter :: introduction(*) = [character(len=92) :: &
       "# Deck reference", &
       "", &
-      "A deck is a text file of Fortran namelists that describes one scene and how it is computed:", &
-      "`coulter deck.nml`. This page is written by `coulter --deck-reference`.", &
+      "A deck is a text file of Fortran namelists that describes one scene and how it is", &
+      "computed: `coulter deck.nml`. This page is written by `coulter --deck-reference`.", &
       "", &
       "```fortran", &
-      "&grid origin = 0.0, 0.0, spacing = 0.25, cells = 4, 5 /", &
+      "&grid origin = 0.0, 0.0, spacing = 0.25, cells = 5, 5 /", &
       "&law name = 'rubber', youngs_modulus = 1000.0, poisson_ratio = 0.3 /", &
       "&body name = 'block', law = 'rubber', density = 0.0 /", &
       "&region body = 'block', rectangle = 0.0, 0.0, 1.0, 1.0 /", &
       "&fixity name = 'symmetry', side = 'left', held = 'x' /", &
       "&fixity name = 'base', side = 'bottom', held = 'y' /", &
-      "&boundary                                 ! pushes the top down by 0.1", &
-      "   name = 'press', kind = 'roller',", &
-      "   vertices = 1.0, 1.0, 0.0, 1.0,         ! material on the left of the way", &
+      "&boundary                             ! pushes the top down by 0.1", &
+      "   name = 'press', kind = 'roller'", &
+      "   vertices = 1.25, 1.0,  0.0, 1.0    ! material on the left of the way", &
       "   displacement = 0.0, -0.1", &
       "/", &
       "&steps count = 5 /", &
       "```", &
       "", &
-      "* A group starts with `&name` and ends with `/`. Groups may stand in any order; objects of", &
-      "  one kind are numbered in the order of the deck.", &
-      "* Inside, `variable = value` or `variable = value, value, ...`, on one line or several, with", &
-      "  blanks or commas between. `3*0.0` stands for three zeros.", &
-      "* Texts stand in quotes, `'...'` or `""...""`, at most 120 characters on one line. Logical", &
-      "  values are `.true.` and `.false.`", &
-      "* `!` starts a comment. Names of groups and variables, and the words of a choice, may be in", &
-      "  upper or lower case; names that you give must be repeated exactly.", &
-      "* Any consistent units may be used. Stresses are positive in tension. Angles do not occur.", &
-      "* Plane strain: forces and volumes are per unit thickness.", &
-      "* All faults of a deck are reported together, one line each, before anything is computed:", &
-      "  `deck.nml:2: &law #1 (rubber): poisson_ratio = 0.5: must be a real number > -1 and < 0.5`.", &
-      "  The program then ends with exit status 2 and has written nothing."]
+      "* A group starts with `&name` and ends with `/`. Groups stand in any order; objects of one", &
+      "  kind are numbered in the order of the deck.", &
+      "* Inside, `variable = value` or `variable = value, value, ...`, on one line or several,", &
+      "  with blanks or commas between. `3*0.0` stands for three zeros.", &
+      "* Texts stand in quotes, `'...'` or `""...""`, at most 120 characters on one line.", &
+      "* `!` starts a comment. Upper and lower case are the same in the names of groups and", &
+      "  variables and in the words of a choice; names that you give are repeated exactly.", &
+      "* Any consistent units will do. Stresses are positive in tension. The scene is in plane", &
+      "  strain: forces and volumes are per unit of thickness.", &
+      "* All faults of a deck are reported together before anything is computed or written, and", &
+      "  the exit status is 2:", &
+      "", &
+      "```", &
+      "deck.nml:2: &law (rubber): poisson_ratio = 0.5: must be a real number > -1 and < 0.5", &
+      "```"]
 
 contains
 
@@ -59,8 +61,9 @@ contains
             trim(group_rules(k)%meaning)//" Stands "//times(group_rules(k)%number)//".", "", &
             "| variable | takes | unit | default | meaning |", "|---|---|---|---|---|"
          do i = 1, size(variable_rules)
-            if (variable_rules(i)%group == group_rules(k)%name) &
-               write (unit, "(a)") table_row(variable_rules(i))
+            if (variable_rules(i)%group == group_rules(k)%name) then
+              write (unit, "(a)") table_row(variable_rules(i))
+            end if
          end do
       end do
    end subroutine write_deck_reference

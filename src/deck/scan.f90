@@ -47,8 +47,9 @@ contains
       slash = findloc(tokens%kind, token_slash, dim=1)
       if (slash == 0) then
          call scan_assignments(deck, group, tokens(2:))
-         if (all(tokens%kind /= token_open_quote)) &
-            call blame_line(deck, group%line, "&"//group%name//" is not ended by a /")
+         if (all(tokens%kind /= token_open_quote)) then
+           call blame_line(deck, group%line, "&"//group%name//" is not ended by a /")
+         end if
          group%is_broken = .true.
       else
          call scan_assignments(deck, group, tokens(2:slash - 1))
@@ -67,15 +68,20 @@ contains
       !> Group before it, which may have ended too early.
       type(group_type), intent(inout), optional :: group
       character(len=:), allocatable :: message
+      integer :: n
 
       if (size(tokens) == 0) return
       message = """"//token_text(deck%text, tokens(1))//""" stands outside all groups"
       if (present(group)) then
          if (group%is_broken) return
          group%is_broken = .true.
-         if (tokens(1)%line == slash_line) message = "a / ends the group &"//group%name &
-            //", but """//token_text(deck%text, tokens(1)) &
-            //""" follows it; write quotients as numbers and texts in quotes"
+         if (tokens(1)%line == slash_line) then
+            message = "a / ends the group &"//group%name//", but """ &
+               //token_text(deck%text, tokens(1))//""" follows it; write quotients as numbers " &
+               //"and texts in quotes"
+            n = size(group%assignments)
+            if (n > 0) group%assignments(n)%n_values = -1
+         end if
       end if
       call blame_line(deck, tokens(1)%line, message)
    end subroutine check_outside
@@ -203,10 +209,12 @@ contains
             if (i /= number) group%is_alone = .false.
          end do
          group%object = ""
-         do i = 1, size(group%assignments)
+         if (group%name == "output") return
+         do i = size(group%assignments), 1, -1
             associate (item => group%assignments(i))
-               if (item%n_values == 1 .and. (item%name == "name" .or. item%name == "body")) &
-                  group%object = without_quotes(item%value)
+               if (item%n_values == 1 .and. (item%name == "name" .or. item%name == "body")) then
+                 group%object = without_quotes(item%value)
+               end if
             end associate
          end do
       end associate

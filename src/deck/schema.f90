@@ -199,7 +199,9 @@ contains
       integer :: number
 
       do number = 1, size(variable_rules)
-         if (variable_rules(number)%group == group .and. variable_rules(number)%name == name) return
+         associate (rule => variable_rules(number))
+            if (rule%group == group .and. rule%name == name) return
+         end associate
       end do
       number = 0
    end function find_variable
@@ -261,7 +263,7 @@ contains
             is_inside = is_inside .and. number >= bound
          case ("<")
             is_inside = is_inside .and. number < bound
-         case ("<=")
+         case default
             is_inside = is_inside .and. number <= bound
          end select
       end do

@@ -103,8 +103,9 @@ contains
       choice = 1
       call get_choice(deck, group, "precision", choice)
       output%is_single = choice == 2
-      if (scan(output%name, "/\") > 0) &
-         call blame(deck, group, "name", "must be a file name without folders")
+      if (scan(output%name, "/\") > 0) then
+        call blame(deck, group, "name", "must be a file name without folders")
+      end if
       if (is_given(deck, group, "at_steps")) call read_output_steps(deck, group, n_steps, output)
    end subroutine read_output
 
@@ -114,8 +115,9 @@ contains
       integer, intent(in) :: group, n_steps
       type(output_type), intent(inout) :: output
 
-      if (is_given(deck, group, "every")) &
-         call blame(deck, group, "at_steps", "stands beside `every`; give one of them")
+      if (is_given(deck, group, "every")) then
+        call blame(deck, group, "at_steps", "stands beside `every`; give one of them")
+      end if
       call get_list(deck, group, "at_steps", output%at_steps)
       if (.not. allocated(output%at_steps)) return
       associate (at => output%at_steps)
