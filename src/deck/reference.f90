@@ -29,8 +29,8 @@ module coulter_deck_reference
       "&steps count = 5 /", &
       "```", &
       "", &
-      "* A group starts with `&name` and ends with `/`. Groups stand in any order; objects of one", &
-      "  kind are numbered in the order of the deck.", &
+      "* A group starts with `&name` and ends with `/`. Groups stand in any order; objects of", &
+      "  one kind are numbered in the order of the deck.", &
       "* Inside, `variable = value` or `variable = value, value, ...`, on one line or several,", &
       "  with blanks or commas between. `3*0.0` stands for three zeros.", &
       "* Texts stand in quotes, `'...'` or `""...""`, at most 120 characters on one line.", &

@@ -125,7 +125,8 @@ module coulter_deck_schema
          "`roller` holds the normal component; `fixed` and `prescribed` (moving) hold both"), &
       variable_rule_type("boundary", "vertices", "real", 4, 1000, "length", required, "", &
          "corners x1, y1, x2, y2, ... of the polyline"), &
-      variable_rule_type("boundary", "material_side", "choice", 1, 1, "", "'left'", "left right", &
+      variable_rule_type("boundary", "material_side", "choice", 1, 1, "", "'left'", &
+         "left right", &
          "side of the material for one who walks along the polyline"), &
       variable_rule_type("boundary", "displacement", "real", 2, 2, "length", "0.0, 0.0", "", &
          "total displacement at a table value of 1; a roller uses its normal part"), &
@@ -170,7 +171,8 @@ module coulter_deck_schema
       variable_rule_type("control", "max_halvings", "integer", 1, 1, "", "6", ">= 0 <= 30", &
          "how often a failed step may be halved"), &
       variable_rule_type("control", "small_cells", "choice", 1, 1, "", "'aggregate'", &
-         "keep drop aggregate", "cells with little material are kept, left out or tied to others"), &
+         "keep drop aggregate", &
+         "cells with little material are kept, left out, or tied to the nearest full cell"), &
       variable_rule_type("control", "fill_tolerance", "real", 1, 1, "", "0.1", ">= 0 < 1", &
          "volume fraction below which a cell has little material"), &
       variable_rule_type("output", "every", "integer", 1, 1, "", "1", ">= 1", &
@@ -199,9 +201,8 @@ contains
       integer :: number
 
       do number = 1, size(variable_rules)
-         associate (rule => variable_rules(number))
-            if (rule%group == group .and. rule%name == name) return
-         end associate
+         if (variable_rules(number)%group /= group) cycle
+         if (variable_rules(number)%name == name) return
       end do
       number = 0
    end function find_variable
