@@ -1,0 +1,145 @@
+!> Reads what the scene is made of: laws, bodies and their regions.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_deck_bodies
+   use coulter_base_error, only: error_type
+   use coulter_base_kinds, only: wp
+   use coulter_deck_document, only: blame, deck_type, groups_named
+   use coulter_deck_outline, only: new_polygon
+   use coulter_deck_references, only: check_unique_names, get_reference
+   use coulter_deck_values, only: get_choice, get_list, get_value, is_given
+   use coulter_law, only: hencky_type, law_item_type, new_hencky
+   use coulter_points_body, only: body_type, region_type
+   implicit none(type, external)
+   private
+   public :: read_laws, read_bodies
+
+contains
+
+   !> All laws.
+   subroutine read_laws(deck, laws)
+      !> Scanned deck, which notes faults.
+      type(deck_type), intent(inout) :: deck
+      !> Laws in the order of the deck; unallocated where at fault.
+      type(law_item_type), allocatable, intent(out) :: laws(:)
+      integer, allocatable :: groups(:)
+      integer :: i, choice
+
+      call check_unique_names(deck, "law")
+      groups = groups_named(deck, "law")
+      allocate (laws(size(groups)))
+      do i = 1, size(groups)
+         choice = 1
+         call get_choice(deck, groups(i), "model", choice)
+         select case (choice)
+         case default
+            call read_hencky(deck, groups(i), laws(i))
+         end select
+      end do
+   end subroutine read_laws
+
+   !> A law of model 'hencky'.
+   subroutine read_hencky(deck, group, item)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      type(law_item_type), intent(inout) :: item
+      type(hencky_type) :: law
+      type(error_type), allocatable :: error
+      character(len=:), allocatable :: name
+      real(wp) :: youngs_modulus, poisson_ratio
+
+      name = ""
+      youngs_modulus = 1.0_wp
+      poisson_ratio = 0.0_wp
+      call get_value(deck, group, "name", name)
+      call get_value(deck, group, "youngs_modulus", youngs_modulus)
+      call get_value(deck, group, "poisson_ratio", poisson_ratio)
+      call new_hencky(law, name, youngs_modulus, poisson_ratio, error)
+      if (allocated(error)) call blame(deck, group, "", error%message)
+      allocate (item%law, source=law)
+   end subroutine read_hencky
+
+   !> All bodies with their regions.
+   subroutine read_bodies(deck, bodies)
+      !> Scanned deck, which notes faults.
+      type(deck_type), intent(inout) :: deck
+      !> Bodies in the order of the deck.
+      type(body_type), allocatable, intent(out) :: bodies(:)
+      integer, allocatable :: groups(:)
+      integer :: i
+
+      call check_unique_names(deck, "body")
+      groups = groups_named(deck, "body")
+      allocate (bodies(size(groups)))
+      do i = 1, size(groups)
+         associate (body => bodies(i))
+            body%name = ""
+            call get_value(deck, groups(i), "name", body%name)
+            call get_reference(deck, groups(i), "law", body%law)
+            call get_value(deck, groups(i), "density", body%density)
+            call get_value(deck, groups(i), "points_per_cell", body%points_per_cell)
+            call get_value(deck, groups(i), "initial_stress", body%initial_stress)
+         end associate
+      end do
+      call read_regions(deck, groups, bodies)
+   end subroutine read_bodies
+
+   !> All regions, handed to their bodies in the order of the deck.
+   subroutine read_regions(deck, body_groups, bodies)
+      type(deck_type), intent(inout) :: deck
+      !> Numbers of the body groups in the deck.
+      integer, intent(in) :: body_groups(:)
+      type(body_type), intent(inout) :: bodies(:)
+      type(region_type), allocatable :: regions(:)
+      integer, allocatable :: groups(:), owner(:), order(:), own(:)
+      integer :: i, k
+
+      groups = groups_named(deck, "region")
+      allocate (regions(size(groups)))
+      allocate (owner(size(groups)), source=0)
+      do i = 1, size(groups)
+         call get_reference(deck, groups(i), "body", owner(i))
+         call read_region(deck, groups(i), regions(i)%vertices)
+      end do
+      allocate (order(0))
+      do k = 1, size(bodies)
+         own = pack([(i, i=1, size(groups))], owner == k)
+         order = [order, own]
+         allocate (bodies(k)%regions(size(own)))
+         do i = 1, size(own)
+            bodies(k)%regions(i) = regions(own(i))
+         end do
+         if (size(own) == 0 .and. size(owner) > 0 .and. all(owner > 0)) then
+           call blame(deck, body_groups(k), "", "has no &region")
+         end if
+      end do
+      ! faults of the deck count regions as the deck does, those of the model as the model does
+      if (deck%faults%n_faults == 0) deck%region_order = order
+   end subroutine read_regions
+
+   !> Corners of one region; none if it is at fault.
+   subroutine read_region(deck, group, vertices)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      real(wp), allocatable, intent(out) :: vertices(:, :)
+      character(len=:), allocatable :: message
+      real(wp), allocatable :: box(:), list(:)
+
+      if (is_given(deck, group, "rectangle") .and. is_given(deck, group, "polygon")) then
+         call blame(deck, group, "polygon", "stands beside `rectangle`; give one of them")
+      else if (.not. (is_given(deck, group, "rectangle") .or. is_given(deck, group, "polygon") &
+                      .or. deck%groups(group)%is_broken)) then
+         call blame(deck, group, "", "needs either `rectangle` or `polygon`")
+      end if
+      call get_list(deck, group, "rectangle", box)
+      call get_list(deck, group, "polygon", list)
+      if (allocated(box)) then
+         vertices = reshape(box([1, 2, 3, 2, 3, 4, 1, 4]), [2, 4])
+         if (any(box(3:) <= box(:2))) call blame(deck, group, "rectangle", &
+            "must give left, bottom, right and top: right > left and top > bottom")
+      else if (allocated(list)) then
+         call new_polygon(list, vertices, message)
+         if (message /= "") call blame(deck, group, "polygon", message)
+      end if
+   end subroutine read_region
+
+end module coulter_deck_bodies

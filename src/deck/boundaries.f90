@@ -1,0 +1,203 @@
+!> Reads what holds and moves the bodies: fixities of grid nodes and implicit boundaries.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_deck_boundaries
+   use coulter_base_kinds, only: wp
+   use coulter_boundary, only: boundary_type, kind_fixed, kind_roller
+   use coulter_deck_document, only: blame, deck_type, first_group, groups_named
+   use coulter_deck_outline, only: new_polyline
+   use coulter_deck_references, only: check_unique_names, get_reference
+   use coulter_deck_values, only: get_choice, get_list, get_value, is_given
+   use coulter_grid, only: grid_type
+   use coulter_model, only: fixity_type
+   implicit none(type, external)
+   private
+   public :: read_fixities, read_boundaries
+
+contains
+
+   !> All fixities.
+   subroutine read_fixities(deck, grid, fixities)
+      !> Scanned deck, which notes faults.
+      type(deck_type), intent(inout) :: deck
+      !> Background grid, to whose sides fixities may refer.
+      type(grid_type), intent(in) :: grid
+      !> Fixities in the order of the deck.
+      type(fixity_type), allocatable, intent(out) :: fixities(:)
+      integer, allocatable :: groups(:)
+      integer :: i, held
+
+      call check_unique_names(deck, "fixity")
+      groups = groups_named(deck, "fixity")
+      allocate (fixities(size(groups)))
+      do i = 1, size(groups)
+         associate (fixity => fixities(i))
+            fixity%name = ""
+            call get_value(deck, groups(i), "name", fixity%name)
+            held = 3
+            call get_choice(deck, groups(i), "held", held)
+            fixity%is_held = [held /= 2, held /= 1]
+            call read_box(deck, groups(i), grid, fixity)
+         end associate
+      end do
+   end subroutine read_fixities
+
+   !> Box of a fixity: a side of the grid, or given by its corners.
+   subroutine read_box(deck, group, grid, fixity)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      type(grid_type), intent(in) :: grid
+      type(fixity_type), intent(inout) :: fixity
+      integer :: side
+      logical :: has_side, has_lower, has_upper
+
+      has_side = is_given(deck, group, "side")
+      has_lower = is_given(deck, group, "lower")
+      has_upper = is_given(deck, group, "upper")
+      if (has_side .and. (has_lower .or. has_upper)) then
+         call blame(deck, group, "side", "stands beside a box; give `side`, or `lower` and `upper`")
+      else if (.not. (has_side .or. (has_lower .and. has_upper) &
+                      .or. deck%groups(group)%is_broken)) then
+         call blame(deck, group, "", "needs `side`, or `lower` and `upper`")
+      end if
+      ! a margin, so that round-off does not lose the nodes of a side
+      fixity%lower = grid%origin - 0.25_wp*grid%spacing
+      fixity%upper = grid%upper_corner() + 0.25_wp*grid%spacing
+      side = 0
+      call get_choice(deck, group, "side", side)
+      select case (side)
+      case (1)
+         fixity%upper(1) = grid%origin(1) + 0.25_wp*grid%spacing(1)
+      case (2)
+         fixity%lower(1) = fixity%upper(1) - 0.5_wp*grid%spacing(1)
+      case (3)
+         fixity%upper(2) = grid%origin(2) + 0.25_wp*grid%spacing(2)
+      case (4)
+         fixity%lower(2) = fixity%upper(2) - 0.5_wp*grid%spacing(2)
+      case default
+         call get_value(deck, group, "lower", fixity%lower)
+         call get_value(deck, group, "upper", fixity%upper)
+         if (has_lower .and. has_upper .and. any(fixity%upper < fixity%lower)) then
+           call blame(deck, group, "upper", "must not be less than `lower`")
+         end if
+      end select
+   end subroutine read_box
+
+   !> All implicit boundaries.
+   subroutine read_boundaries(deck, n_steps, boundaries)
+      !> Scanned deck, which notes faults.
+      type(deck_type), intent(inout) :: deck
+      !> Number of load steps.
+      integer, intent(in) :: n_steps
+      !> Boundaries in the order of the deck.
+      type(boundary_type), allocatable, intent(out) :: boundaries(:)
+      integer, allocatable :: groups(:)
+      integer :: i, choice
+
+      call check_unique_names(deck, "boundary")
+      groups = groups_named(deck, "boundary")
+      allocate (boundaries(size(groups)))
+      do i = 1, size(groups)
+         call read_boundary(deck, groups(i), boundaries(i), choice)
+         call read_vertices(deck, groups(i), boundaries(i)%vertices)
+         call check_motion(deck, groups(i), choice)
+         call read_motion(deck, groups(i), n_steps, boundaries(i))
+      end do
+   end subroutine read_boundaries
+
+   !> How one boundary holds the material.
+   subroutine read_boundary(deck, group, boundary, kind)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      type(boundary_type), intent(out) :: boundary
+      !> Number of its kind among the choices of the deck; 0 if at fault.
+      integer, intent(out) :: kind
+      integer, parameter :: kinds(0:3) = [kind_roller, kind_roller, kind_fixed, kind_fixed]
+      integer :: choice
+
+      boundary%name = ""
+      call get_value(deck, group, "name", boundary%name)
+      kind = 0
+      call get_choice(deck, group, "kind", kind)
+      boundary%kind = kinds(kind)
+      call get_value(deck, group, "band_ratio", boundary%band_ratio)
+      call get_value(deck, group, "gauss_points", boundary%n_gauss)
+      choice = merge(1, 2, boundary%has_coupling_term)
+      call get_choice(deck, group, "formulation", choice)
+      boundary%has_coupling_term = choice == 1
+      call get_value(deck, group, "memory", boundary%has_memory)
+      call get_value(deck, group, "may_start_apart", boundary%may_start_apart)
+   end subroutine read_boundary
+
+   !> Corners of a boundary with the material on their left.
+   subroutine read_vertices(deck, group, vertices)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      real(wp), allocatable, intent(out) :: vertices(:, :)
+      character(len=:), allocatable :: message
+      real(wp), allocatable :: list(:)
+      integer :: side
+
+      side = 1
+      call get_choice(deck, group, "material_side", side)
+      call get_list(deck, group, "vertices", list)
+      if (.not. allocated(list)) return
+      call new_polyline(list, vertices, message)
+      if (message /= "") call blame(deck, group, "vertices", message)
+      if (side == 2) vertices = vertices(:, size(vertices, 2):1:-1)
+   end subroutine read_vertices
+
+   !> Displacement of a boundary and its table.
+   subroutine read_motion(deck, group, n_steps, boundary)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group, n_steps
+      type(boundary_type), intent(inout) :: boundary
+      real(wp) :: per_step(2)
+
+      call get_value(deck, group, "displacement", boundary%displacement)
+      call get_reference(deck, group, "table", boundary%table)
+      if (.not. is_given(deck, group, "displacement_per_step")) return
+      per_step = 0.0_wp
+      call get_value(deck, group, "displacement_per_step", per_step)
+      boundary%displacement = real(n_steps, wp)*per_step
+   end subroutine read_motion
+
+   !> Note variables of the motion that do not go together.
+   subroutine check_motion(deck, group, kind)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      !> Number of the kind among the choices of the deck.
+      integer, intent(in) :: kind
+      logical :: has_total, has_per_step, has_table
+
+      has_total = is_given(deck, group, "displacement")
+      has_per_step = is_given(deck, group, "displacement_per_step")
+      has_table = is_given(deck, group, "table")
+      if (kind == 2 .and. (has_total .or. has_per_step)) then
+        call blame(deck, group, "kind", "stays in place, but a displacement is given; a moving " &
+                    //"boundary is 'prescribed'")
+      end if
+      if (has_total .and. has_per_step) then
+         call blame(deck, group, "displacement_per_step", &
+                    "stands beside `displacement`; give one of them")
+      else if (has_per_step .and. (has_table .or. .not. has_equal_steps(deck))) then
+         call blame(deck, group, "displacement_per_step", &
+                    "needs equal steps (`count` in &steps) and no table; give `displacement`")
+      end if
+      if (has_total .or. has_per_step .or. deck%groups(group)%is_broken) return
+      if (kind == 3) call blame(deck, group, "kind", "needs `displacement` or " &
+                                //"`displacement_per_step`")
+      if (has_table) call blame(deck, group, "table", "has no displacement to schedule")
+   end subroutine check_motion
+
+   !> Are the load steps equal, as far as one can tell?
+   pure function has_equal_steps(deck)
+      type(deck_type), intent(in) :: deck
+      logical :: has_equal_steps
+      integer :: group
+
+      group = first_group(deck, "steps")
+      has_equal_steps = .true.
+      if (group > 0) has_equal_steps = .not. is_given(deck, group, "end_times")
+   end function has_equal_steps
+
+end module coulter_deck_boundaries

@@ -1,0 +1,87 @@
+!> Public face of the deck room: a text file in, a model and output settings out.
+!>
+!> A deck is cut into groups and assignments that know their lines (scan), the names are checked
+!> against the schema (names), and each group is read by the file named after its subject, which
+!> has the compiler read one assignment at a time (values). Faults are gathered on the way and
+!> reported together.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_deck
+   use coulter_base_error, only: error_type, fatal_error
+   use coulter_deck_bodies, only: read_bodies, read_laws
+   use coulter_deck_boundaries, only: read_boundaries, read_fixities
+   use coulter_deck_document, only: deck_type, describe_faults
+   use coulter_deck_file, only: read_text
+   use coulter_deck_loads, only: read_body_force, read_steps, read_tables
+   use coulter_deck_names, only: check_names
+   use coulter_deck_reference, only: write_deck_reference
+   use coulter_deck_scan, only: scan_deck
+   use coulter_deck_settings, only: read_control, read_grid, read_output, read_scene
+   use coulter_model, only: model_type
+   use coulter_model_output, only: output_type
+   implicit none(type, external)
+   private
+   public :: deck_type, read_deck, parse_deck, describe_faults, write_deck_reference
+
+contains
+
+   !> Read a deck file; see `parse_deck`.
+   subroutine read_deck(path, deck, model, output, error)
+      !> Path of the file.
+      character(len=*), intent(in) :: path
+      !> The deck, to describe faults that the model turns out to have.
+      type(deck_type), intent(out) :: deck
+      !> The scene, without points.
+      type(model_type), intent(out) :: model
+      !> When results are written, and how.
+      type(output_type), intent(out) :: output
+      !> Set when the file cannot be read or the deck has faults: one line for each.
+      type(error_type), allocatable, intent(out) :: error
+      character(len=:), allocatable :: text
+
+      call read_text(path, text, error)
+      if (allocated(error)) return
+      call parse_deck(path, text, deck, model, output, error)
+   end subroutine read_deck
+
+   !> Make a scene from the text of a deck.
+   subroutine parse_deck(path, text, deck, model, output, error)
+      !> Path that messages show, and that names the results.
+      character(len=*), intent(in) :: path
+      !> Text of the deck.
+      character(len=*), intent(in) :: text
+      !> The deck, to describe faults that the model turns out to have.
+      type(deck_type), intent(out) :: deck
+      !> The scene, without points.
+      type(model_type), intent(out) :: model
+      !> When results are written, and how.
+      type(output_type), intent(out) :: output
+      !> Set when the deck has faults: one line for each.
+      type(error_type), allocatable, intent(out) :: error
+      integer :: n_steps
+
+      deck%path = path
+      deck%text = text
+      call scan_deck(deck)
+      if (size(deck%groups) == 0 .and. deck%faults%n_faults == 0) then
+         call fatal_error(error, path//": holds no groups")
+         return
+      end if
+      call check_names(deck)
+
+      call read_scene(deck, model)
+      call read_grid(deck, model%grid)
+      call read_laws(deck, model%laws)
+      call read_bodies(deck, model%bodies)
+      call read_steps(deck, model%schedule)
+      n_steps = size(model%schedule%end_time)
+      call read_tables(deck, model%tables)
+      call read_body_force(deck, model%body_force)
+      call read_fixities(deck, model%grid, model%fixities)
+      call read_boundaries(deck, n_steps, model%boundaries)
+      call read_control(deck, model%control)
+      call read_output(deck, n_steps, output)
+
+      if (deck%faults%n_faults > 0) call fatal_error(error, describe_faults(deck, deck%faults))
+   end subroutine parse_deck
+
+end module coulter_deck

@@ -1,0 +1,109 @@
+!> Reads how loads go with time: steps, tables and the body force.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_deck_loads
+   use coulter_base_kinds, only: wp
+   use coulter_base_table, only: new_table, table_type
+   use coulter_base_text, only: to_text
+   use coulter_deck_document, only: blame, deck_type, first_group, groups_named
+   use coulter_deck_references, only: check_unique_names, get_reference
+   use coulter_deck_values, only: get_list, get_value, is_given
+   use coulter_model, only: body_force_type
+   use coulter_model_control, only: schedule_type
+   implicit none(type, external)
+   private
+   public :: read_steps, read_tables, read_body_force
+
+contains
+
+   !> The load steps; a single one when the group is missing or at fault.
+   subroutine read_steps(deck, schedule)
+      !> Scanned deck, which notes faults.
+      type(deck_type), intent(inout) :: deck
+      !> Times at which steps end.
+      type(schedule_type), intent(out) :: schedule
+      integer :: group, n, i
+
+      n = 1
+      group = first_group(deck, "steps")
+      if (group > 0) then
+         if (is_given(deck, group, "count") .and. is_given(deck, group, "end_times")) then
+            call blame(deck, group, "end_times", "stands beside `count`; give one of them")
+         else if (.not. (is_given(deck, group, "count") .or. is_given(deck, group, "end_times") &
+                         .or. deck%groups(group)%is_broken)) then
+            call blame(deck, group, "", "needs either `count` or `end_times`")
+         end if
+         call get_value(deck, group, "count", n)
+         call get_list(deck, group, "end_times", schedule%end_time)
+      end if
+      if (allocated(schedule%end_time)) then
+         if (.not. is_increasing(schedule%end_time)) then
+           call blame(deck, group, "end_times", "must increase")
+         end if
+      else
+         schedule%end_time = [(real(i, wp)/real(n, wp), i=1, n)]
+      end if
+   end subroutine read_steps
+
+   !> All tables.
+   subroutine read_tables(deck, tables)
+      !> Scanned deck, which notes faults.
+      type(deck_type), intent(inout) :: deck
+      !> Tables in the order of the deck.
+      type(table_type), allocatable, intent(out) :: tables(:)
+      integer, allocatable :: groups(:)
+      integer :: i
+
+      call check_unique_names(deck, "table")
+      groups = groups_named(deck, "table")
+      allocate (tables(size(groups)))
+      do i = 1, size(groups)
+         call read_table(deck, groups(i), tables(i))
+      end do
+   end subroutine read_tables
+
+   !> One table.
+   subroutine read_table(deck, group, table)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      type(table_type), intent(out) :: table
+      character(len=:), allocatable :: name
+      real(wp), allocatable :: time(:), value(:)
+
+      name = ""
+      call get_value(deck, group, "name", name)
+      call get_list(deck, group, "time", time)
+      call get_list(deck, group, "value", value)
+      if (.not. (allocated(time) .and. allocated(value))) return
+      if (size(time) /= size(value)) then
+         call blame(deck, group, "value", "must have as many values as time, which has " &
+                    //to_text(size(time)))
+      else if (.not. is_increasing(time)) then
+         call blame(deck, group, "time", "must increase")
+      else
+         call new_table(table, name, time, value)
+      end if
+   end subroutine read_table
+
+   !> The body force; none when the deck gives none.
+   subroutine read_body_force(deck, body_force)
+      !> Scanned deck, which notes faults.
+      type(deck_type), intent(inout) :: deck
+      !> Acceleration and its table.
+      type(body_force_type), intent(out) :: body_force
+      integer :: group
+
+      group = first_group(deck, "body_force")
+      if (group == 0) return
+      call get_value(deck, group, "acceleration", body_force%acceleration)
+      call get_reference(deck, group, "table", body_force%table)
+   end subroutine read_body_force
+
+   !> Is every number larger than the one before it?
+   pure function is_increasing(list)
+      real(wp), intent(in) :: list(:)
+      logical :: is_increasing
+
+      is_increasing = all(list(2:) > list(:size(list) - 1))
+   end function is_increasing
+
+end module coulter_deck_loads

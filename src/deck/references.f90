@@ -1,0 +1,82 @@
+!> Names by which the objects of a deck refer to one another.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_deck_references
+   use coulter_base_text, only: to_text
+   use coulter_deck_document, only: blame, deck_type, groups_named
+   use coulter_deck_names, only: suggestion
+   use coulter_deck_schema, only: max_text
+   use coulter_deck_values, only: get_value
+   implicit none(type, external)
+   private
+   public :: get_reference, check_unique_names
+
+contains
+
+   !> Number of the law, body or table to which a variable of this name refers; `number` keeps its
+   !> value when the variable is absent or at fault.
+   subroutine get_reference(deck, group, variable, number)
+      !> Deck that notes faults.
+      type(deck_type), intent(inout) :: deck
+      !> Number of the group in the deck.
+      integer, intent(in) :: group
+      !> Variable name, which is that of the group to which it refers.
+      character(len=*), intent(in) :: variable
+      !> Number of the object among its kind, from 1.
+      integer, intent(inout) :: number
+      character(len=max_text), allocatable :: names(:)
+      character(len=:), allocatable :: name
+      integer :: i
+
+      name = ""
+      call get_value(deck, group, variable, name)
+      if (name == "") return
+      names = names_of(deck, variable)
+      do i = 1, size(names)
+         if (names(i) /= name) cycle
+         number = i
+         return
+      end do
+      ! the name that is meant may be one that could not be read
+      if (any(names == "")) return
+      call blame(deck, group, variable, "is no "//variable//" of this deck" &
+                 //suggestion(name, names))
+   end subroutine get_reference
+
+   !> Note objects of a kind that share a name.
+   pure subroutine check_unique_names(deck, kind)
+      !> Deck that notes faults.
+      type(deck_type), intent(inout) :: deck
+      !> Group name.
+      character(len=*), intent(in) :: kind
+      character(len=max_text), allocatable :: names(:)
+      integer, allocatable :: groups(:)
+      integer :: i, first
+
+      names = names_of(deck, kind)
+      groups = groups_named(deck, kind)
+      do i = 1, size(names)
+         first = 1
+         do while (names(first) /= names(i))
+            first = first + 1
+         end do
+         if (first < i .and. names(i) /= "") call blame(deck, groups(i), "name", &
+                                 "is also the name of &"//kind//" #"//to_text(first))
+      end do
+   end subroutine check_unique_names
+
+   !> Names of all objects of a kind; empty where it could not be read.
+   pure function names_of(deck, kind) result(names)
+      type(deck_type), intent(in) :: deck
+      character(len=*), intent(in) :: kind
+      character(len=max_text), allocatable :: names(:)
+      integer, allocatable :: groups(:)
+      integer :: i
+
+      groups = groups_named(deck, kind)
+      allocate (names(size(groups)))
+      do i = 1, size(groups)
+         names(i) = deck%groups(groups(i))%object
+      end do
+   end function names_of
+
+end module coulter_deck_references

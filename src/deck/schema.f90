@@ -1,0 +1,317 @@
+!> What a deck may hold: every group and variable with its type, range and meaning.
+!>
+!> The checks, the messages and the deck reference all come from these tables. A new variable is
+!> one entry here and one line where its group is read.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_deck_schema
+   use coulter_base_kinds, only: wp
+   use coulter_base_text, only: lower_case, to_text
+   implicit none(type, external)
+   private
+   public :: group_rule_type, variable_rule_type, group_rules, variable_rules, required
+   public :: find_variable, choice_number, is_in_range, allowed_text, count_text, max_text
+
+   !> What a group is for.
+   type :: group_rule_type
+      !> Name, lower case.
+      character(len=10) :: name
+      !> How often it stands in a deck: "1", "0 or 1", "1 or more" or "any number".
+      character(len=10) :: number
+      !> What it describes.
+      character(len=100) :: meaning
+   end type group_rule_type
+
+   !> What a variable may hold.
+   type :: variable_rule_type
+      !> Group to which it belongs.
+      character(len=10) :: group
+      !> Name, lower case.
+      character(len=21) :: name
+      !> "real", "integer", "logical", "text" (any text) or "choice" (one of the words in `range`).
+      character(len=7) :: type
+      !> Least number of values.
+      integer :: least
+      !> Largest number of values.
+      integer :: most
+      !> Unit; empty for a pure number.
+      character(len=13) :: unit
+      !> Default as written in a deck, `required`, or a remark in parentheses.
+      character(len=16) :: default
+      !> Conditions such as "> 0 <= 1", or the words of a choice; empty if all is allowed.
+      character(len=24) :: range
+      !> What it means.
+      character(len=110) :: meaning
+   end type variable_rule_type
+
+   !> Default of a variable that has none.
+   character(len=*), parameter :: required = "required"
+   !> Longest text that a variable may hold.
+   integer, parameter :: max_text = 120
+
+   !> Groups in the order of the deck reference.
+   type(group_rule_type), parameter :: group_rules(*) = [ &
+      group_rule_type("scene", "0 or 1", "Title and labels of the units for logs and plots."), &
+      group_rule_type("grid", "1", "The background grid: a box of equal cells."), &
+      group_rule_type("law", "1 or more", "A constitutive law."), &
+      group_rule_type("body", "1 or more", "A solid of one law, to be filled with points."), &
+      group_rule_type("region", "1 or more", "What a body fills: one rectangle or polygon each."), &
+      group_rule_type("fixity", "any number", "Zero displacement at grid nodes."), &
+      group_rule_type("boundary", "any number", &
+                      "An implicit boundary: a polyline that need not match the grid."), &
+      group_rule_type("body_force", "0 or 1", "A force per unit mass, such as gravity."), &
+      group_rule_type("table", "any number", &
+                      "A factor over time, linear between its times and constant beyond."), &
+      group_rule_type("steps", "1", "The load steps: either `count` or `end_times`."), &
+      group_rule_type("control", "0 or 1", "How a load step is solved."), &
+      group_rule_type("output", "0 or 1", "When results are written, and how.")]
+
+   type(variable_rule_type), parameter :: scene_rules(*) = [ &
+      variable_rule_type("scene", "title", "text", 1, 1, "", "(none)", "", &
+         "one line that describes the scene"), &
+      variable_rule_type("scene", "length_unit", "text", 1, 1, "", "(none)", "", &
+         "label of lengths, such as 'mm'"), &
+      variable_rule_type("scene", "stress_unit", "text", 1, 1, "", "(none)", "", &
+         "label of stresses, such as 'MPa'"), &
+      variable_rule_type("scene", "force_unit", "text", 1, 1, "", "(none)", "", &
+         "label of forces, such as 'N'"), &
+      variable_rule_type("grid", "origin", "real", 2, 2, "length", required, "", &
+         "lower left corner of the grid"), &
+      variable_rule_type("grid", "spacing", "real", 1, 2, "length", required, "> 0", &
+         "edge of a cell: one value for both directions, or one each"), &
+      variable_rule_type("grid", "cells", "integer", 2, 2, "", required, ">= 1 <= 1000000", &
+         "number of cells along x and y")]
+
+   type(variable_rule_type), parameter :: body_rules(*) = [ &
+      variable_rule_type("law", "name", "text", 1, 1, "", required, "", &
+         "name by which bodies refer to the law"), &
+      variable_rule_type("law", "model", "choice", 1, 1, "", "'hencky'", "hencky", &
+         "kind of law: `hencky` is elastic, linear in the logarithmic strain"), &
+      variable_rule_type("law", "youngs_modulus", "real", 1, 1, "stress", required, "> 0", &
+         "Young's modulus"), &
+      variable_rule_type("law", "poisson_ratio", "real", 1, 1, "", required, "> -1 < 0.5", &
+         "Poisson's ratio"), &
+      variable_rule_type("body", "name", "text", 1, 1, "", required, "", &
+         "name by which regions refer to the body"), &
+      variable_rule_type("body", "law", "text", 1, 1, "", required, "", "name of its law"), &
+      variable_rule_type("body", "density", "real", 1, 1, "mass/volume", required, ">= 0", &
+         "mass per volume of the undeformed body"), &
+      variable_rule_type("body", "points_per_cell", "integer", 1, 1, "", "2", ">= 1 <= 8", &
+         "material points per cell in each direction"), &
+      variable_rule_type("body", "initial_stress", "real", 4, 4, "stress", "4*0.0", "", &
+         "Cauchy stress xx, yy, zz, xy at the start, tension positive"), &
+      variable_rule_type("region", "body", "text", 1, 1, "", required, "", &
+         "name of the body to which the region belongs"), &
+      variable_rule_type("region", "rectangle", "real", 4, 4, "length", "(or polygon)", "", &
+         "left, bottom, right and top: x0, y0, x1, y1"), &
+      variable_rule_type("region", "polygon", "real", 6, 1000, "length", "(or rectangle)", "", &
+         "corners x1, y1, x2, y2, ... of a polygon that does not cross itself, in either " &
+         //"orientation")]
+
+   type(variable_rule_type), parameter :: boundary_rules(*) = [ &
+      variable_rule_type("fixity", "name", "text", 1, 1, "", required, "", &
+         "name under which the reaction is reported"), &
+      variable_rule_type("fixity", "side", "choice", 1, 1, "", "(or a box)", &
+         "left right bottom top", "side of the grid whose nodes are held"), &
+      variable_rule_type("fixity", "lower", "real", 2, 2, "length", "(or side)", "", &
+         "lower left corner of a box whose nodes are held"), &
+      variable_rule_type("fixity", "upper", "real", 2, 2, "length", "(or side)", "", &
+         "upper right corner of the box"), &
+      variable_rule_type("fixity", "held", "choice", 1, 1, "", required, "x y xy", &
+         "components of the displacement that are held"), &
+      variable_rule_type("boundary", "name", "text", 1, 1, "", required, "", &
+         "name under which the reaction is reported"), &
+      variable_rule_type("boundary", "kind", "choice", 1, 1, "", required, &
+         "roller fixed prescribed", &
+         "`roller` holds the normal component; `fixed` and `prescribed` (moving) hold both"), &
+      variable_rule_type("boundary", "vertices", "real", 4, 1000, "length", required, "", &
+         "corners x1, y1, x2, y2, ... of the polyline"), &
+      variable_rule_type("boundary", "material_side", "choice", 1, 1, "", "'left'", &
+         "left right", &
+         "side of the material for one who walks along the polyline"), &
+      variable_rule_type("boundary", "displacement", "real", 2, 2, "length", "0.0, 0.0", "", &
+         "total displacement at a table value of 1; a roller uses its normal part"), &
+      variable_rule_type("boundary", "displacement_per_step", "real", 2, 2, "length", &
+         "(none)", "", "the same per step, for `count` equal steps without table"), &
+      variable_rule_type("boundary", "table", "text", 1, 1, "", "(ramp)", "", &
+         "name of the table that schedules the displacement; else proportional to time"), &
+      variable_rule_type("boundary", "band_ratio", "real", 1, 1, "", "5.0e-6", "> 0 <= 1", &
+         "width of the Dirichlet band over the grid spacing"), &
+      variable_rule_type("boundary", "gauss_points", "integer", 1, 1, "", "1", ">= 1 <= 3", &
+         "Gauss points per segment and cell; two or more lock inclined boundaries in bending"), &
+      variable_rule_type("boundary", "formulation", "choice", 1, 1, "", "'implicit'", &
+         "implicit penalty", "`implicit` keeps K2 + K2^T + K3, `penalty` only K3"), &
+      variable_rule_type("boundary", "memory", "logical", 1, 1, "", ".false.", "", &
+         "are tractions kept from step to step, so that held steps do not drift?"), &
+      variable_rule_type("boundary", "may_start_apart", "logical", 1, 1, "", ".false.", "", &
+         "may the boundary start away from all material?")]
+
+   type(variable_rule_type), parameter :: step_rules(*) = [ &
+      variable_rule_type("body_force", "acceleration", "real", 2, 2, "length/time^2", required, &
+         "", "acceleration at a table value of 1"), &
+      variable_rule_type("body_force", "table", "text", 1, 1, "", "(ramp)", "", &
+         "name of the table that schedules it; else proportional to time"), &
+      variable_rule_type("table", "name", "text", 1, 1, "", required, "", &
+         "name by which loads refer to the table"), &
+      variable_rule_type("table", "time", "real", 1, 1000, "time", required, "", &
+         "times, increasing"), &
+      variable_rule_type("table", "value", "real", 1, 1000, "", required, "", &
+         "factors at these times"), &
+      variable_rule_type("steps", "count", "integer", 1, 1, "", "(or end_times)", &
+         ">= 1 <= 100000", "number of equal steps from time 0 to time 1"), &
+      variable_rule_type("steps", "end_times", "real", 1, 1000, "time", "(or count)", "> 0", &
+         "time at the end of every step, increasing; the start is time 0")]
+
+   type(variable_rule_type), parameter :: run_rules(*) = [ &
+      variable_rule_type("control", "tolerance", "real", 1, 1, "", "1.0e-8", "> 0 < 1", &
+         "largest accepted residual norm over the norm of the internal or external force"), &
+      variable_rule_type("control", "increment_tolerance", "real", 1, 1, "", "1.0e-11", &
+         "> 0 < 1", "largest accepted Newton correction over the displacement of the step"), &
+      variable_rule_type("control", "max_iterations", "integer", 1, 1, "", "25", &
+         ">= 1 <= 1000", "Newton iterations before a step counts as failed"), &
+      variable_rule_type("control", "max_halvings", "integer", 1, 1, "", "6", ">= 0 <= 30", &
+         "how often a failed step may be halved"), &
+      variable_rule_type("control", "small_cells", "choice", 1, 1, "", "'aggregate'", &
+         "keep drop aggregate", &
+         "cells with little material are kept, left out, or tied to the nearest full cell"), &
+      variable_rule_type("control", "fill_tolerance", "real", 1, 1, "", "0.1", ">= 0 < 1", &
+         "volume fraction below which a cell has little material"), &
+      variable_rule_type("output", "every", "integer", 1, 1, "", "1", ">= 1", &
+         "write every so many steps; the last step is always written"), &
+      variable_rule_type("output", "at_steps", "integer", 1, 1000, "", "(or every)", ">= 1", &
+         "write at these steps instead, increasing"), &
+      variable_rule_type("output", "precision", "choice", 1, 1, "", "'double'", "double single", &
+         "size of the numbers in the fields"), &
+      variable_rule_type("output", "compression", "integer", 1, 1, "", "0", ">= 0 <= 9", &
+         "deflate level of the fields"), &
+      variable_rule_type("output", "name", "text", 1, 1, "", "(name of deck)", "", &
+         "base name of the result files")]
+
+   !> All variables, group by group in the order of the groups.
+   type(variable_rule_type), parameter :: variable_rules(*) = &
+      [scene_rules, body_rules, boundary_rules, step_rules, run_rules]
+
+contains
+
+   !> Number of the rule of a variable; 0 if there is none.
+   pure function find_variable(group, name) result(number)
+      !> Group name, lower case.
+      character(len=*), intent(in) :: group
+      !> Variable name, lower case.
+      character(len=*), intent(in) :: name
+      integer :: number
+
+      do number = 1, size(variable_rules)
+         if (variable_rules(number)%group /= group) cycle
+         if (variable_rules(number)%name == name) return
+      end do
+      number = 0
+   end function find_variable
+
+   !> Words of a text that blanks separate.
+   pure function words_of(text) result(words)
+      !> Text of short words.
+      character(len=*), intent(in) :: text
+      character(len=12), allocatable :: words(:)
+      character(len=:), allocatable :: rest
+      character(len=12) :: word
+      integer :: last
+
+      allocate (words(0))
+      rest = trim(adjustl(text))//" "
+      do while (rest /= "")
+         last = index(rest, " ")
+         word = rest(:last)
+         words = [words, word]
+         rest = trim(adjustl(rest(last:)))//" "
+      end do
+   end function words_of
+
+   !> Number of a word among the choices of a variable, in upper or lower case; 0 if it is none.
+   pure function choice_number(rule, word) result(number)
+      !> Rule of a variable of type "choice".
+      type(variable_rule_type), intent(in) :: rule
+      !> Word to find.
+      character(len=*), intent(in) :: word
+      integer :: number
+      character(len=12), allocatable :: choices(:)
+
+      choices = words_of(rule%range)
+      do number = 1, size(choices)
+         if (choices(number) == lower_case(word)) return
+      end do
+      number = 0
+   end function choice_number
+
+   !> Does a number meet the conditions of a variable?
+   pure function is_in_range(rule, number) result(is_inside)
+      !> Rule of a variable of type "real" or "integer".
+      type(variable_rule_type), intent(in) :: rule
+      !> Number to judge.
+      real(wp), intent(in) :: number
+      logical :: is_inside
+      character(len=12), allocatable :: words(:)
+      real(wp) :: bound
+      integer :: i
+
+      words = words_of(rule%range)
+      is_inside = .true.
+      do i = 1, size(words), 2
+         read (words(i + 1), *) bound
+         select case (words(i))
+         case (">")
+            is_inside = is_inside .and. number > bound
+         case (">=")
+            is_inside = is_inside .and. number >= bound
+         case ("<")
+            is_inside = is_inside .and. number < bound
+         case default
+            is_inside = is_inside .and. number <= bound
+         end select
+      end do
+   end function is_in_range
+
+   !> What a variable may hold, in words: "a real number > 0", "'x', 'y' or 'xy'".
+   pure function allowed_text(rule) result(text)
+      !> Rule of the variable.
+      type(variable_rule_type), intent(in) :: rule
+      character(len=:), allocatable :: text
+      character(len=12), allocatable :: words(:)
+      integer :: i
+
+      words = words_of(rule%range)
+      select case (rule%type)
+      case ("choice")
+         text = "'"//trim(words(1))//"'"
+         do i = 2, size(words)
+            text = text//trim(merge(" or", ",  ", i == size(words)))//" '"//trim(words(i))//"'"
+         end do
+         return
+      case ("text")
+         text = "a text in quotes"
+      case ("logical")
+         text = ".true. or .false."
+      case ("integer")
+         text = "an integer"
+         if (rule%most > 1) text = count_text(rule)//" integers"
+      case default
+         text = "a real number"
+         if (rule%most > 1) text = count_text(rule)//" real numbers"
+      end select
+      do i = 1, size(words), 2
+         if (i > 1) text = text//" and"
+         text = text//" "//trim(words(i))//" "//trim(words(i + 1))
+      end do
+   end function allowed_text
+
+   !> How many values a variable takes: "1", "1 or 2", "6 to 1000".
+   pure function count_text(rule) result(text)
+      !> Rule of the variable.
+      type(variable_rule_type), intent(in) :: rule
+      character(len=:), allocatable :: text
+
+      text = to_text(rule%least)
+      if (rule%most == rule%least + 1) text = text//" or "//to_text(rule%most)
+      if (rule%most > rule%least + 1) text = text//" to "//to_text(rule%most)
+   end function count_text
+
+end module coulter_deck_schema

@@ -1,0 +1,140 @@
+!> Values of a group's variables: checked against the schema, faults noted, absent ones untouched.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_deck_values
+   use coulter_base_kinds, only: wp
+   use coulter_deck_document, only: deck_type, find_assignment
+   use coulter_deck_namelist, only: value_type
+   use coulter_deck_schema, only: choice_number
+   use coulter_deck_variable, only: read_variable, rule_of
+   implicit none(type, external)
+   private
+   public :: get_value, get_list, get_choice, is_given
+
+   !> Replace a preset value by that of the deck. A variable that is absent or at fault leaves it.
+   interface get_value
+      module procedure :: get_real, get_vector, get_integer, get_logical, get_text
+   end interface get_value
+
+   !> Values of a variable of any length; unallocated when it is absent or at fault.
+   interface get_list
+      module procedure :: get_real_list, get_integer_list
+   end interface get_list
+
+contains
+
+   !> Does a group assign a variable, rightly or wrongly?
+   pure function is_given(deck, group, variable)
+      !> Scanned deck.
+      type(deck_type), intent(in) :: deck
+      !> Number of the group in the deck.
+      integer, intent(in) :: group
+      !> Variable name.
+      character(len=*), intent(in) :: variable
+      logical :: is_given
+
+      is_given = find_assignment(deck%groups(group), variable) > 0
+   end function is_given
+
+   !> Number of the chosen word among the choices of the schema; `choice` keeps its value when the
+   !> variable is absent or at fault.
+   subroutine get_choice(deck, group, variable, choice)
+      !> Deck that notes faults.
+      type(deck_type), intent(inout) :: deck
+      !> Number of the group in the deck.
+      integer, intent(in) :: group
+      !> Variable name.
+      character(len=*), intent(in) :: variable
+      !> Number of the choice, from 1.
+      integer, intent(inout) :: choice
+      type(value_type) :: value
+      logical :: is_read
+
+      call read_variable(deck, group, variable, value, is_read)
+      if (is_read) choice = choice_number(rule_of(deck, group, variable), value%text)
+   end subroutine get_choice
+
+   subroutine get_real(deck, group, variable, target)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      character(len=*), intent(in) :: variable
+      real(wp), intent(inout) :: target
+      type(value_type) :: value
+      logical :: is_read
+
+      call read_variable(deck, group, variable, value, is_read)
+      if (is_read) target = value%reals(1)
+   end subroutine get_real
+
+   subroutine get_vector(deck, group, variable, target)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      character(len=*), intent(in) :: variable
+      real(wp), intent(inout) :: target(:)
+      type(value_type) :: value
+      logical :: is_read
+
+      call read_variable(deck, group, variable, value, is_read)
+      if (is_read) target = value%reals
+   end subroutine get_vector
+
+   subroutine get_integer(deck, group, variable, target)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      character(len=*), intent(in) :: variable
+      integer, intent(inout) :: target
+      type(value_type) :: value
+      logical :: is_read
+
+      call read_variable(deck, group, variable, value, is_read)
+      if (is_read) target = value%integers(1)
+   end subroutine get_integer
+
+   subroutine get_logical(deck, group, variable, target)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      character(len=*), intent(in) :: variable
+      logical, intent(inout) :: target
+      type(value_type) :: value
+      logical :: is_read
+
+      call read_variable(deck, group, variable, value, is_read)
+      if (is_read) target = value%flag
+   end subroutine get_logical
+
+   subroutine get_text(deck, group, variable, target)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      character(len=*), intent(in) :: variable
+      character(len=:), allocatable, intent(inout) :: target
+      type(value_type) :: value
+      logical :: is_read
+
+      call read_variable(deck, group, variable, value, is_read)
+      if (is_read) target = value%text
+   end subroutine get_text
+
+   subroutine get_real_list(deck, group, variable, list)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      character(len=*), intent(in) :: variable
+      real(wp), allocatable, intent(out) :: list(:)
+      type(value_type) :: value
+      logical :: is_read
+
+      call read_variable(deck, group, variable, value, is_read)
+      if (is_read) call move_alloc(value%reals, list)
+   end subroutine get_real_list
+
+   subroutine get_integer_list(deck, group, variable, list)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      character(len=*), intent(in) :: variable
+      integer, allocatable, intent(out) :: list(:)
+      type(value_type) :: value
+      logical :: is_read
+
+      call read_variable(deck, group, variable, value, is_read)
+      if (is_read) call move_alloc(value%integers, list)
+   end subroutine get_integer_list
+
+end module coulter_deck_values
