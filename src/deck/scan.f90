@@ -22,7 +22,8 @@ contains
       integer :: k
 
       call cut_tokens(deck%text, tokens)
-      starts = [places_of(tokens, token_group), size(tokens) + 1]
+      call find_tokens(tokens, token_group, starts)
+      starts = [starts, size(tokens) + 1]
       call check_outside(deck, tokens(:starts(1) - 1), 0)
       allocate (deck%groups(size(starts) - 1))
       do k = 1, size(deck%groups)
@@ -94,7 +95,7 @@ contains
       integer, allocatable :: signs(:)
       integer :: i, k, last
 
-      signs = places_of(tokens, token_equals)
+      call find_tokens(tokens, token_equals, signs)
       allocate (group%assignments(size(signs)))
       last = size(tokens)
       if (size(signs) > 0) last = signs(1) - 2
@@ -162,14 +163,14 @@ contains
    end subroutine read_values
 
    !> Places of the tokens of a kind.
-   pure function places_of(tokens, kind) result(places)
+   pure subroutine find_tokens(tokens, kind, places)
       type(token_type), intent(in) :: tokens(:)
       integer, intent(in) :: kind
-      integer, allocatable :: places(:)
+      integer, allocatable, intent(out) :: places(:)
       integer :: i
 
       places = pack([(i, i=1, size(tokens))], tokens%kind == kind)
-   end function places_of
+   end subroutine find_tokens
 
    !> 3 for "3*0.0", 1 for an ordinary value.
    pure function repeat_count(word) result(n)
