@@ -227,7 +227,9 @@ contains
       i = find_assignment(group, variable)
       if (i > 0) then
          line = group%assignments(i)%line
-         place = place//" = "//shortened(group%assignments(i)%value)
+         if (group%assignments(i)%value /= "") then
+            place = place//" = "//shortened(group%assignments(i)%value)
+         end if
       end if
       place = place//": "
    end subroutine locate_in_group

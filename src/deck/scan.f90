@@ -10,6 +10,8 @@ module coulter_deck_scan
    public :: scan_deck
 
    character(len=*), parameter :: name_characters = "abcdefghijklmnopqrstuvwxyz0123456789_"
+   !> More values than this are not counted.
+   integer, parameter :: max_values = 10**9
 
 contains
 
@@ -99,7 +101,7 @@ contains
       allocate (group%assignments(size(signs)))
       last = size(tokens)
       if (size(signs) > 0) last = signs(1) - 2
-      if (last >= 1) call blame_token(deck, group, tokens(1), "belongs to no variable")
+      if (last >= 1) call blame_token(deck, group, tokens(1), "stands before the first variable = value")
       do k = 1, size(signs)
          i = signs(k)
          last = size(tokens)
@@ -151,7 +153,7 @@ contains
          word = token_text(deck%text, tokens(i))
          if (assignment%value /= "") assignment%value = assignment%value//", "
          assignment%value = assignment%value//word
-         assignment%n_values = assignment%n_values + repeat_count(word)
+         assignment%n_values = min(assignment%n_values + repeat_count(word), max_values)
          is_complete = is_complete .and. index(word, "*", back=.true.) /= len(word)
          is_expected = .false.
       end do
@@ -176,13 +178,15 @@ contains
    pure function repeat_count(word) result(n)
       character(len=*), intent(in) :: word
       integer :: n
-      integer, parameter :: max_digits = 6
+      integer, parameter :: max_digits = 8
       integer :: star
 
       n = 1
       star = index(word, "*")
-      if (star < 2 .or. star > max_digits + 1) return
-      if (verify(word(:star - 1), "0123456789") == 0) read (word(:star - 1), *) n
+      if (star < 2) return
+      if (verify(word(:star - 1), "0123456789") > 0) return
+      n = max_values
+      if (star <= max_digits + 1) read (word(:star - 1), *) n
    end function repeat_count
 
    !> Note a fault of a word or sign.
