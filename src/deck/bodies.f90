@@ -3,7 +3,7 @@
 module coulter_deck_bodies
    use coulter_base_error, only: error_type
    use coulter_base_kinds, only: wp
-   use coulter_deck_document, only: blame, deck_type, groups_named
+   use coulter_deck_document, only: blame, deck_type, find_groups
    use coulter_deck_outline, only: new_polygon
    use coulter_deck_references, only: check_unique_names, get_reference
    use coulter_deck_values, only: get_choice, get_list, get_value, is_given
@@ -25,7 +25,7 @@ contains
       integer :: i, choice
 
       call check_unique_names(deck, "law")
-      groups = groups_named(deck, "law")
+      call find_groups(deck, "law", groups)
       allocate (laws(size(groups)))
       do i = 1, size(groups)
          choice = 1
@@ -68,7 +68,7 @@ contains
       integer :: i
 
       call check_unique_names(deck, "body")
-      groups = groups_named(deck, "body")
+      call find_groups(deck, "body", groups)
       allocate (bodies(size(groups)))
       do i = 1, size(groups)
          associate (body => bodies(i))
@@ -93,7 +93,7 @@ contains
       integer, allocatable :: groups(:), owner(:), order(:), own(:)
       integer :: i, k
 
-      groups = groups_named(deck, "region")
+      call find_groups(deck, "region", groups)
       allocate (regions(size(groups)))
       allocate (owner(size(groups)), source=0)
       do i = 1, size(groups)

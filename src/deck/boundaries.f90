@@ -3,7 +3,7 @@
 module coulter_deck_boundaries
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: boundary_type, kind_fixed, kind_roller
-   use coulter_deck_document, only: blame, deck_type, first_group, groups_named
+   use coulter_deck_document, only: blame, deck_type, first_group, find_groups
    use coulter_deck_outline, only: new_polyline
    use coulter_deck_references, only: check_unique_names, get_reference
    use coulter_deck_values, only: get_choice, get_list, get_value, is_given
@@ -27,7 +27,7 @@ contains
       integer :: i, held
 
       call check_unique_names(deck, "fixity")
-      groups = groups_named(deck, "fixity")
+      call find_groups(deck, "fixity", groups)
       allocate (fixities(size(groups)))
       do i = 1, size(groups)
          associate (fixity => fixities(i))
@@ -94,7 +94,7 @@ contains
       integer :: i, choice
 
       call check_unique_names(deck, "boundary")
-      groups = groups_named(deck, "boundary")
+      call find_groups(deck, "boundary", groups)
       allocate (boundaries(size(groups)))
       do i = 1, size(groups)
          call read_boundary(deck, groups(i), boundaries(i), choice)

@@ -6,7 +6,7 @@ module coulter_deck_document
    implicit none(type, external)
    private
    public :: deck_type, group_type, assignment_type
-   public :: groups_named, first_group, find_assignment, group_label
+   public :: find_groups, first_group, find_assignment, group_label
    public :: blame, blame_line, describe_faults
 
    !> One `name = values`.
@@ -61,19 +61,20 @@ module coulter_deck_document
 contains
 
    !> Numbers of the groups that bear a name, in the order of the deck.
-   pure function groups_named(deck, name) result(numbers)
+   pure subroutine find_groups(deck, name, numbers)
       !> Scanned deck.
       type(deck_type), intent(in) :: deck
       !> Group name, lower case.
       character(len=*), intent(in) :: name
-      integer, allocatable :: numbers(:)
+      !> Their numbers in the deck.
+      integer, allocatable, intent(out) :: numbers(:)
       integer :: i
 
       allocate (numbers(0))
       do i = 1, size(deck%groups)
          if (deck%groups(i)%name == name) numbers = [numbers, i]
       end do
-   end function groups_named
+   end subroutine find_groups
 
    !> Number of the first group that bears a name; 0 if there is none.
    pure function first_group(deck, name) result(number)
@@ -202,7 +203,7 @@ contains
       integer, allocatable :: candidates(:)
       integer :: instance
 
-      candidates = groups_named(deck, fault%group)
+      call find_groups(deck, fault%group, candidates)
       instance = max(fault%instance, 1)
       if (fault%group == "region" .and. allocated(deck%region_order)) then
          if (instance <= size(deck%region_order)) instance = deck%region_order(instance)
@@ -226,7 +227,9 @@ contains
       i = find_assignment(group, variable)
       if (i > 0) then
          line = group%assignments(i)%line
-         place = place//" = "//shortened(group%assignments(i)%value)
+         if (group%assignments(i)%value /= "") then
+            place = place//" = "//shortened(group%assignments(i)%value)
+         end if
       end if
       place = place//": "
    end subroutine locate_in_group

@@ -4,7 +4,7 @@ module coulter_deck_loads
    use coulter_base_kinds, only: wp
    use coulter_base_table, only: new_table, table_type
    use coulter_base_text, only: to_text
-   use coulter_deck_document, only: blame, deck_type, first_group, groups_named
+   use coulter_deck_document, only: blame, deck_type, first_group, find_groups
    use coulter_deck_references, only: check_unique_names, get_reference
    use coulter_deck_values, only: get_list, get_value, is_given
    use coulter_model, only: body_force_type
@@ -54,7 +54,7 @@ contains
       integer :: i
 
       call check_unique_names(deck, "table")
-      groups = groups_named(deck, "table")
+      call find_groups(deck, "table", groups)
       allocate (tables(size(groups)))
       do i = 1, size(groups)
          call read_table(deck, groups(i), tables(i))

@@ -26,7 +26,7 @@ module coulter_deck_namelist
 contains
 
    !> Read the values of a variable.
-   subroutine read_value(type, n, written, value, message)
+   subroutine read_value(type, n, written, value, is_valid, message)
       !> Type of the variable: "real", "integer", "logical" or "text".
       character(len=*), intent(in) :: type
       !> Number of values.
@@ -35,7 +35,9 @@ contains
       character(len=*), intent(in) :: written
       !> What they mean.
       type(value_type), intent(out) :: value
-      !> What the compiler objects to; empty if nothing.
+      !> Does the compiler accept them?
+      logical, intent(out) :: is_valid
+      !> Why they cannot be read at all; empty if they can.
       character(len=:), allocatable, intent(out) :: message
       real(wp), allocatable :: real_value(:)
       integer, allocatable :: integer_value(:)
@@ -51,19 +53,22 @@ contains
       logical_value = .false.
       text_value = ""
       open (newunit=unit, status="scratch", iostat=status, iomsg=remark)
-      if (status == 0) then
+      message = ""
+      is_valid = status == 0
+      if (is_valid) then
          ! numbers such as 1e999 become infinite, also where overflow would end the program
          call ieee_get_halting_mode(ieee_overflow, is_halting)
          call ieee_set_halting_mode(ieee_overflow, .false.)
          write (unit, "(a)") "&one", type//"_value = "//written, "/"
          rewind (unit)
-         read (unit, nml=one, iostat=status, iomsg=remark)
+         read (unit, nml=one, iostat=status)
+         is_valid = status == 0
          close (unit)
          call ieee_set_flag(ieee_overflow, .false.)
          call ieee_set_halting_mode(ieee_overflow, is_halting)
+      else
+         message = "cannot be read without a scratch file: "//trim(remark)
       end if
-      message = ""
-      if (status /= 0) message = trim(remark)
       value = value_type(real_value, integer_value, logical_value, trim(text_value))
    end subroutine read_value
 

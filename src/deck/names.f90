@@ -3,7 +3,7 @@
 module coulter_deck_names
    use coulter_base_text, only: lower_case, to_text
    use coulter_deck_document, only: blame, blame_line, deck_type, find_assignment, group_label, &
-      group_type, groups_named
+      group_type, find_groups
    use coulter_deck_schema, only: allowed_text, find_variable, group_rules, required, &
       variable_rules
    implicit none(type, external)
@@ -43,7 +43,7 @@ contains
       integer, allocatable :: found(:)
       integer :: i
 
-      found = groups_named(deck, name)
+      call find_groups(deck, name, found)
       if (size(found) == 0 .and. number(:1) == "1") then
          do i = 1, size(deck%groups)
             if (closest_name(deck%groups(i)%name, group_rules%name) == name) return

@@ -2,7 +2,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_deck_references
    use coulter_base_text, only: to_text
-   use coulter_deck_document, only: blame, deck_type, groups_named
+   use coulter_deck_document, only: blame, deck_type, find_groups
    use coulter_deck_names, only: suggestion
    use coulter_deck_schema, only: max_text
    use coulter_deck_values, only: get_value
@@ -30,7 +30,7 @@ contains
       name = ""
       call get_value(deck, group, variable, name)
       if (name == "") return
-      names = names_of(deck, variable)
+      call find_names(deck, variable, names)
       do i = 1, size(names)
          if (names(i) /= name) cycle
          number = i
@@ -52,8 +52,8 @@ contains
       integer, allocatable :: groups(:)
       integer :: i, first
 
-      names = names_of(deck, kind)
-      groups = groups_named(deck, kind)
+      call find_names(deck, kind, names)
+      call find_groups(deck, kind, groups)
       do i = 1, size(names)
          first = 1
          do while (names(first) /= names(i))
@@ -65,18 +65,18 @@ contains
    end subroutine check_unique_names
 
    !> Names of all objects of a kind; empty where it could not be read.
-   pure function names_of(deck, kind) result(names)
+   pure subroutine find_names(deck, kind, names)
       type(deck_type), intent(in) :: deck
       character(len=*), intent(in) :: kind
-      character(len=max_text), allocatable :: names(:)
+      character(len=max_text), allocatable, intent(out) :: names(:)
       integer, allocatable :: groups(:)
       integer :: i
 
-      groups = groups_named(deck, kind)
+      call find_groups(deck, kind, groups)
       allocate (names(size(groups)))
       do i = 1, size(groups)
          names(i) = deck%groups(groups(i))%object
       end do
-   end function names_of
+   end subroutine find_names
 
 end module coulter_deck_references

@@ -10,6 +10,8 @@ module coulter_deck_scan
    public :: scan_deck
 
    character(len=*), parameter :: name_characters = "abcdefghijklmnopqrstuvwxyz0123456789_"
+   !> More values than this are not counted.
+   integer, parameter :: max_values = 10**9
 
 contains
 
@@ -22,7 +24,8 @@ contains
       integer :: k
 
       call cut_tokens(deck%text, tokens)
-      starts = [places_of(tokens, token_group), size(tokens) + 1]
+      call find_tokens(tokens, token_group, starts)
+      starts = [starts, size(tokens) + 1]
       call check_outside(deck, tokens(:starts(1) - 1), 0)
       allocate (deck%groups(size(starts) - 1))
       do k = 1, size(deck%groups)
@@ -94,11 +97,11 @@ contains
       integer, allocatable :: signs(:)
       integer :: i, k, last
 
-      signs = places_of(tokens, token_equals)
+      call find_tokens(tokens, token_equals, signs)
       allocate (group%assignments(size(signs)))
       last = size(tokens)
       if (size(signs) > 0) last = signs(1) - 2
-      if (last >= 1) call blame_token(deck, group, tokens(1), "belongs to no variable")
+      if (last >= 1) call blame_token(deck, group, tokens(1), "stands before the first variable = value")
       do k = 1, size(signs)
          i = signs(k)
          last = size(tokens)
@@ -150,7 +153,7 @@ contains
          word = token_text(deck%text, tokens(i))
          if (assignment%value /= "") assignment%value = assignment%value//", "
          assignment%value = assignment%value//word
-         assignment%n_values = assignment%n_values + repeat_count(word)
+         assignment%n_values = min(assignment%n_values + repeat_count(word), max_values)
          is_complete = is_complete .and. index(word, "*", back=.true.) /= len(word)
          is_expected = .false.
       end do
@@ -162,26 +165,28 @@ contains
    end subroutine read_values
 
    !> Places of the tokens of a kind.
-   pure function places_of(tokens, kind) result(places)
+   pure subroutine find_tokens(tokens, kind, places)
       type(token_type), intent(in) :: tokens(:)
       integer, intent(in) :: kind
-      integer, allocatable :: places(:)
+      integer, allocatable, intent(out) :: places(:)
       integer :: i
 
       places = pack([(i, i=1, size(tokens))], tokens%kind == kind)
-   end function places_of
+   end subroutine find_tokens
 
    !> 3 for "3*0.0", 1 for an ordinary value.
    pure function repeat_count(word) result(n)
       character(len=*), intent(in) :: word
       integer :: n
-      integer, parameter :: max_digits = 6
+      integer, parameter :: max_digits = 8
       integer :: star
 
       n = 1
       star = index(word, "*")
-      if (star < 2 .or. star > max_digits + 1) return
-      if (verify(word(:star - 1), "0123456789") == 0) read (word(:star - 1), *) n
+      if (star < 2) return
+      if (verify(word(:star - 1), "0123456789") > 0) return
+      n = max_values
+      if (star <= max_digits + 1) read (word(:star - 1), *) n
    end function repeat_count
 
    !> Note a fault of a word or sign.

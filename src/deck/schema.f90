@@ -208,10 +208,11 @@ contains
    end function find_variable
 
    !> Words of a text that blanks separate.
-   pure function words_of(text) result(words)
+   pure subroutine split_words(text, words)
       !> Text of short words.
       character(len=*), intent(in) :: text
-      character(len=12), allocatable :: words(:)
+      !> Its words.
+      character(len=12), allocatable, intent(out) :: words(:)
       character(len=:), allocatable :: rest
       character(len=12) :: word
       integer :: last
@@ -224,7 +225,7 @@ contains
          words = [words, word]
          rest = trim(adjustl(rest(last:)))//" "
       end do
-   end function words_of
+   end subroutine split_words
 
    !> Number of a word among the choices of a variable, in upper or lower case; 0 if it is none.
    pure function choice_number(rule, word) result(number)
@@ -235,7 +236,7 @@ contains
       integer :: number
       character(len=12), allocatable :: choices(:)
 
-      choices = words_of(rule%range)
+      call split_words(rule%range, choices)
       do number = 1, size(choices)
          if (choices(number) == lower_case(word)) return
       end do
@@ -253,7 +254,7 @@ contains
       real(wp) :: bound
       integer :: i
 
-      words = words_of(rule%range)
+      call split_words(rule%range, words)
       is_inside = .true.
       do i = 1, size(words), 2
          read (words(i + 1), *) bound
@@ -278,7 +279,7 @@ contains
       character(len=12), allocatable :: words(:)
       integer :: i
 
-      words = words_of(rule%range)
+      call split_words(rule%range, words)
       select case (rule%type)
       case ("choice")
          text = "'"//trim(words(1))//"'"

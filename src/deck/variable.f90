@@ -95,11 +95,12 @@ contains
       type(value_type), intent(out) :: value
       character(len=:), allocatable, intent(out) :: message
       character(len=:), allocatable :: type
+      logical :: is_valid
 
       type = trim(rule%type)
       if (type == "choice") type = "text"
-      call read_value(type, item%n_values, item%value, value, message)
-      if (message /= "") message = "must be "//allowed_text(rule)//" ("//message//")"
+      call read_value(type, item%n_values, item%value, value, is_valid, message)
+      if (message == "" .and. .not. is_valid) message = "must be "//allowed_text(rule)
    end subroutine convert
 
    !> Are values finite, in range, among the choices, short enough?
