@@ -69,7 +69,11 @@ contains
       else
          message = "cannot be read without a scratch file: "//trim(remark)
       end if
-      value = value_type(real_value, integer_value, logical_value, trim(text_value))
+      ! one by one: gfortran 12 loses the length of a text in a structure constructor
+      call move_alloc(real_value, value%reals)
+      call move_alloc(integer_value, value%integers)
+      value%flag = logical_value
+      value%text = trim(text_value)
    end subroutine read_value
 
 end module coulter_deck_namelist
