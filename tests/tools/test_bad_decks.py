@@ -27,8 +27,8 @@ def assert_polite(result):
 
 def fault_lines(result, deck):
     name = f"{deck}:"
-    return [line.removeprefix(name).strip() for line in result.stderr.splitlines()
-            if line.startswith(name)]
+    lines = [line.removeprefix("coulter: ") for line in result.stderr.splitlines()]
+    return [line.removeprefix(name).strip() for line in lines if line.startswith(name)]
 
 
 @pytest.fixture(name="output")
