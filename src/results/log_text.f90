@@ -69,7 +69,7 @@ contains
       if (abs(number) <= noise*scale) return
       decade = floor(log10(max(scale, tiny(scale))))
       layout = "(es12.3)"
-      if (abs(decade - 2) <= 4) write (layout, "(a, i0, a)") "(f20.", max(4 - decade, 0), ")"
+      if (abs(decade - 2) <= 4) write (layout, "(a, i0, a)") "(f20.", max(4 - decade, 1), ")"
       write (buffer, layout) number
       text = trim(adjustl(buffer))
    end function scaled_real
