@@ -53,8 +53,8 @@ def draw_frames(results: Results, steps: Sequence[int] | None = None, field: str
         for number, (panel, frame, value) in enumerate(zip(axes, frames, values, strict=False)):
             _draw_grid(panel, results.grid, view)
             cells = PolyCollection(frame.outlines(), array=value, norm=norm, cmap="viridis")
-            if len(value) <= MOST_EDGES:
-                cells.set(linewidths=0.15, edgecolors=INK)
+            edges = INK if len(value) <= MOST_EDGES else "face"
+            cells.set(linewidths=0.15, edgecolors=edges)
             panel.add_collection(cells)
             for boundary in frame.boundaries:
                 _draw_boundary(panel, boundary, view)
