@@ -16,6 +16,8 @@ module coulter_base_directory
       !> mkdir of POSIX.
       function c_mkdir(path, mode) bind(c, name="mkdir") result(status)
          import :: c_char, c_int
+         implicit none(type, external)
+         ! a C string carries no length; allow(C071)
          character(kind=c_char), intent(in) :: path(*)
          integer(c_int), value :: mode
          integer(c_int) :: status
@@ -24,6 +26,8 @@ module coulter_base_directory
       !> access of POSIX: 0 for yes.
       function c_access(path, question) bind(c, name="access") result(status)
          import :: c_char, c_int
+         implicit none(type, external)
+         ! a C string carries no length; allow(C071)
          character(kind=c_char), intent(in) :: path(*)
          integer(c_int), value :: question
          integer(c_int) :: status
@@ -49,8 +53,8 @@ contains
       if (last == 0) then
          if (.not. answers(".", write_and_search)) call refuse(path, ".", error)
       else
-         if (.not. answers(path(:last)//"/.", write_and_search)) &
-            call refuse(path, path(:last), error)
+         if (answers(path(:last)//"/.", write_and_search)) return
+         call refuse(path, path(:last), error)
       end if
    end subroutine check_directory
 

@@ -95,8 +95,9 @@ contains
       if (boundary%kind == kind_roller) text = "roller, penalty"
       if (boundary%has_coupling_term) text = text//" + coupling"
       if (boundary%has_memory) text = text//", traction memory"
-      if (any(abs(boundary%displacement) > 0.0_wp)) &
+      if (any(abs(boundary%displacement) > 0.0_wp)) then
          text = text//", moves by ("//to_text(boundary%displacement)//")"
+      end if
    end function formulation
 
    !> What the scene leaves unused and the program therefore skips.

@@ -72,8 +72,9 @@ contains
       call cpu_time(self%cpu_start)
       call write_scene(self%unit, model, scene)
       write (self%unit, "(/, a)") step_heading
-      if (size(model%boundaries) > 0) &
+      if (size(model%boundaries) > 0) then
          write (self%unit, "(8x, a)") "force x, y of each boundary on the body"//in_unit()
+      end if
       write (self%unit, "(a)") ""
       call show_progress(self, 0.0_wp, error)
 
@@ -135,8 +136,9 @@ contains
       character(len=12) :: residual, seconds
 
       residual = "-"
-      if (allocated(report%residuals)) &
+      if (allocated(report%residuals)) then
          write (residual, "(es12.1)") report%residuals(size(report%residuals))
+      end if
       write (seconds, "(f10.2)") sum(report%phase_seconds)
       line = right(to_text(report%step), 6)//merge(" ", "+", report%is_complete) &
          //right(to_text(report%time, 5), 11) &
@@ -224,8 +226,10 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer :: status
 
-      if (self%has_progress_bar) write (self%unit, "(2x, a)", advance="no") &
-         progress_bar(share, wall_seconds() - self%wall_start)
+      if (self%has_progress_bar) then
+         write (self%unit, "(2x, a)", advance="no") &
+            progress_bar(share, wall_seconds() - self%wall_start)
+      end if
       flush (self%unit, iostat=status)
       if (status /= 0) call fatal_error(error, "the run log cannot be written")
    end subroutine show_progress
