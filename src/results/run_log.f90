@@ -9,7 +9,8 @@ module coulter_results_run_log
    use coulter_model_observer, only: n_phases, observer_type, phase_names, scene_report_type, &
       step_report_type
    use coulter_results_log_scene, only: name_width, write_scene
-   use coulter_results_log_text, only: left, progress_bar, right, scaled_real
+   use coulter_results_log_text, only: left, line_width, plural, progress_bar, right, &
+      scaled_real, write_paragraph
    implicit none(type, external)
    private
    public :: run_log_type, new_run_log
@@ -36,8 +37,6 @@ module coulter_results_run_log
    !> Columns of the step table.
    character(len=*), parameter :: step_heading = &
       "  step        time    load  iterations    residual   seconds"
-   !> Most characters of a line.
-   integer, parameter :: line_width = 100
    !> Width of a number in the reactions.
    integer, parameter :: force_width = 10
    !> Return to the start of the line and clear it, on terminals that understand ANSI.
@@ -123,8 +122,8 @@ contains
       call hide_progress(self)
       verdict = "finished"
       if (allocated(failure)) verdict = "stopped early, at time "//to_text(model%time)//","
-      write (self%unit, "(/, 2x, a)") verdict//" after "//to_text(self%n_steps)//" steps and " &
-         //to_text(self%n_iterations)//" iterations"
+      write (self%unit, "(/, 2x, a)") verdict//" after "//plural(self%n_steps, "step", "steps") &
+         //" and "//plural(self%n_iterations, "iteration", "iterations")
       call write_timing(self)
       flush (self%unit)
    end subroutine finish_log
@@ -185,7 +184,7 @@ contains
       do while (first <= len(warnings))
          last = index(warnings(first:), new_line("a")) + first - 2
          if (last < first) last = len(warnings)
-         write (unit, "(8x, 2a)") "warning: ", warnings(first:last)
+         call write_paragraph(unit, "        warning: ", warnings(first:last))
          first = last + 2
       end do
    end subroutine write_warnings
