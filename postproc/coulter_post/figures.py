@@ -32,6 +32,8 @@ STYLE = {
     "savefig.dpi": 150,
 }
 INK, GRID_COLOUR = "#202428", "#e2e5e8"
+#: Height of the title of a panel and its ticks, and least width of a panel (inches).
+TITLE, LEAST_WIDTH = 0.42, 1.5
 #: Most residual curves that get a label each.
 MOST_LABELS = 10
 #: Most points whose domains get an edge each.
@@ -58,7 +60,8 @@ def draw_frames(results: Results, steps: Sequence[int] | None = None, field: str
             panel.add_collection(cells)
             for boundary in frame.boundaries:
                 _draw_boundary(panel, boundary, view)
-            panel.set_title(f"({chr(97 + number)})  {_frame_title(frame)}")
+            letter = f"({chr(97 + number)})  " if len(frames) > 1 else ""
+            panel.set_title(letter + _frame_title(frame))
             _set_view(panel, view)
         length = results.units.get("length", "")
         figure.supxlabel(_with_unit("x", length), fontsize=9)
@@ -171,12 +174,17 @@ def _view(frames: list[Frame], grid: Grid) -> np.ndarray:
 
 
 def _panels(n_panels: int, view: np.ndarray) -> tuple[Figure, list[Axes]]:
-    """Axes of equal size, in as many columns as suit the shape of the view."""
+    """Axes of equal size, in as many columns as let them be largest on a page."""
     width, height = view[1] - view[0]
-    n_columns = min(n_panels, 2 if width > 1.2 * height else 3)
+    scale, n_columns = max(
+        (min(8.8 / columns / width, (8.6 / -(-n_panels // columns) - TITLE) / height), columns)
+        for columns in range(1, n_panels + 1)
+    )
     n_rows = -(-n_panels // n_columns)
-    panel_width = 8.8 / n_columns
-    size = (10.0, n_rows * (panel_width * height / width + 0.42) + 0.6)
+    size = (
+        n_columns * max(scale * width, LEAST_WIDTH) + 1.2,
+        n_rows * (scale * height + TITLE) + 0.6,
+    )
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(n_rows, n_columns, squeeze=False).ravel().tolist()
     for panel in axes[n_panels:]:
@@ -230,7 +238,7 @@ def _set_view(panel: Axes, view: np.ndarray) -> None:
 def _frame_title(frame: Frame) -> str:
     if frame.step == 0:
         return "initial state"
-    return f"step {frame.step},  {100.0 * frame.load_factor:.0f} % of the load"
+    return f"step {frame.step},  {100.0 * frame.load_factor:.0f} %"
 
 
 def _with_unit(label: str, unit: str) -> str:
