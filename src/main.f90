@@ -7,7 +7,7 @@ program main
    use coulter_base_process, only: blas_name, tune_process
    use coulter_base_terminal, only: is_terminal
    use coulter_command_line, only: command_type, read_command, task_check, task_deck_reference, &
-      task_help, task_run, task_version, write_usage
+      task_help, task_version, write_usage
    use coulter_deck, only: deck_type, describe_faults, read_deck, write_deck_reference
    use coulter_model, only: model_type
    use coulter_model_observer, only: scene_report_type
@@ -34,7 +34,7 @@ program main
          compiler//", "//build_type//", "//blas_name(), compiler_flags
    case (task_deck_reference)
       call write_deck_reference(output_unit)
-   case (task_run, task_check)
+   case default
       call compute()
    end select
 
@@ -91,7 +91,8 @@ contains
       type(run_log_type) :: log
       type(error_type), allocatable :: error
 
-      call new_results(results, command%directory, output, deck%path, deck%text, provenance(), error)
+      call new_results(results, command%directory, output, deck%path, deck%text, provenance(), &
+                       error)
       call stop_on(error, 2, "coulter: ")
       call observers%add(results)
       if (.not. command%is_quiet) then

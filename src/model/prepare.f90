@@ -154,8 +154,9 @@ contains
 
       do f = 1, size(model%fixities)
          if (any(model%fixities(f)%lower > model%grid%upper_corner()) .or. &
-             any(model%fixities(f)%upper < model%grid%origin)) &
+             any(model%fixities(f)%upper < model%grid%origin)) then
             call faults%add("fixity", f, "", "its box lies outside the grid")
+         end if
       end do
    end subroutine check_fixities
 

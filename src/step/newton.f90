@@ -131,9 +131,12 @@ contains
             <= model%control%increment_tolerance*maxval(abs(newton%unknowns))
       end if
       if (is_done) return
-      is_done = newton%n_iterations >= model%control%max_iterations .or. .not. residual <= huge(residual)
-      if (is_done) newton%failure = "no equilibrium after "//to_text(newton%n_iterations) &
-         //" iterations, relative residual "//to_text(residual, 3)
+      is_done = newton%n_iterations >= model%control%max_iterations &
+         .or. .not. residual <= huge(residual)
+      if (is_done) then
+         newton%failure = "no equilibrium after "//to_text(newton%n_iterations) &
+            //" iterations, relative residual "//to_text(residual, 3)
+      end if
    end subroutine judge
 
    !> Newton correction: tangent times correction = - residual.
@@ -149,8 +152,10 @@ contains
                                                      -newton%unbalanced, newton%correction, &
                                                      has_failed)
       call system%watch%stop()
-      if (has_failed) newton%failure = "the tangent is singular: the material is unstable, or a" &
-         //" body is free to move since no boundary or fixity holds it"
+      if (has_failed) then
+         newton%failure = "the tangent is singular: the material is unstable, or a body is free" &
+            //" to move since no boundary or fixity holds it"
+      end if
    end subroutine find_correction
 
    !> Apply the correction, halved as often as it takes to keep every point the right side out.
