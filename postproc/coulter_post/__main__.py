@@ -71,11 +71,11 @@ def _summary(results: Results) -> list[str]:
     ]
     for row in range(len(history["step"])):
         residuals = history["residuals"][row]
-        residuals = residuals[np.isfinite(residuals)]
+        last = next((value for value in residuals[::-1] if np.isfinite(value)), np.nan)
         part = " " if history["is_complete"][row] else "+"
         lines.append(
             f"{history['step'][row]:>4}{part} {100.0 * history['load_factor'][row]:>4.0f} %"
-            f" {history['n_iterations'][row]:>5} {residuals[-1] if len(residuals) else np.nan:>9.1e}"
+            f" {history['n_iterations'][row]:>5} {last:>9.1e}"
             f" {history['phase_seconds'][row].sum():>8.2f}"
             + "".join(f"{x:>11.5g}{y:>11.5g}" for x, y in history["boundary_reactions"][row])
         )

@@ -96,8 +96,9 @@ def draw_forces(results: Results) -> Figure | None:
         if not panel.lines:
             return None
         panel.axhline(0.0, color=INK, linewidth=0.6)
-        panel.set_xlabel(_with_unit("displacement of the boundary", results.units.get("length", "")))
-        panel.set_ylabel(_with_unit("push force", results.units.get("force", "")))
+        units = results.units
+        panel.set_xlabel(_with_unit("displacement of the boundary", units.get("length", "")))
+        panel.set_ylabel(_with_unit("push force", units.get("force", "")))
         panel.set_title("push force on the body along the motion, compression positive")
         panel.grid(color=GRID_COLOUR)
         panel.set_axisbelow(True)
@@ -127,7 +128,8 @@ def _draw_iterations(panel: Axes, history: dict[str, np.ndarray]) -> None:
     else:
         panel.xaxis.set_major_locator(MaxNLocator(integer=True))
     panel.yaxis.set_major_locator(MaxNLocator(integer=True))
-    panel.set_xlabel("load step (+ part of a halved step)" if "+" in "".join(labels) else "load step")
+    has_parts = not history["is_complete"].all()
+    panel.set_xlabel("load step (+ part of a halved step)" if has_parts else "load step")
     panel.set_ylabel("Newton iterations")
     panel.set_title("iterations per step")
 
@@ -196,7 +198,8 @@ def _draw_grid(panel: Axes, grid: Grid, view: np.ndarray) -> None:
     (left, bottom), (right, top) = grid.origin, grid.origin + grid.spacing * grid.cells
     upright = [[(x, bottom), (x, top)] for x in grid.lines(0) if view[0, 0] <= x <= view[1, 0]]
     level = [[(left, y), (right, y)] for y in grid.lines(1) if view[0, 1] <= y <= view[1, 1]]
-    panel.add_collection(LineCollection(upright + level, colors=GRID_COLOUR, linewidths=0.4, zorder=0))
+    lines = LineCollection(upright + level, colors=GRID_COLOUR, linewidths=0.4, zorder=0)
+    panel.add_collection(lines)
 
 
 def _draw_boundary(panel: Axes, boundary: Boundary, view: np.ndarray) -> None:

@@ -44,7 +44,7 @@ class Boundary:
 
 @dataclass(frozen=True)
 class Frame:
-    """The points at one moment: positions (n, 3) and point data by name, (n,) or (n, components)."""
+    """The points at one moment: positions (n, 3), point data by name, (n,) or (n, components)."""
 
     step: int
     time: float

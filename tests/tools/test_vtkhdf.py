@@ -108,9 +108,8 @@ def test_fields_agree_with_each_other(tmp_path):
 def test_strain_and_stress_obey_the_law(tmp_path):
     """Hencky: Kirchhoff stress J sigma = lambda tr(e) 1 + 2 G e, E = 1000, nu = 0.3."""
     with h5py.File(results_of(make_deck(tmp_path, 2))) as file:
-        stress, strain, ratio = (
-            read_frame(file, f"PointData/{name}", 2) for name in ("stress", "strain", "volume_ratio")
-        )
+        names = ("stress", "strain", "volume_ratio")
+        stress, strain, ratio = (read_frame(file, f"PointData/{name}", 2) for name in names)
     shear, lame = 1000.0 / 2.6, 1000.0 * 0.3 / (1.3 * 0.4)
     expected = 2.0 * shear * strain
     expected[:, :3] += lame * strain[:, :3].sum(axis=1, keepdims=True)
