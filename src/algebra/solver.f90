@@ -177,18 +177,18 @@ contains
       call scaled%release()
    end subroutine solve_scaled
 
-   !> Is the backward error small? False also for NaN.
+   !> Is the backward error small? False also for NaN, which `maxval` would pass over.
    pure function is_accurate(pattern, values, b, x) result(answer)
       type(pattern_type), intent(in) :: pattern
       real(wp), intent(in) :: values(:), b(:), x(:)
       logical :: answer
       real(wp) :: product(size(b))
 
-      answer = maxval(abs(x)) < huge(x)
+      answer = all(abs(x) < huge(x))
       if (.not. answer) return
       call multiply(pattern, values, x, product)
-      answer = maxval(abs(product - b)) &
-         <= accepted_error*(maxval(abs(values))*maxval(abs(x)) + maxval(abs(b)))
+      answer = all(abs(product - b) &
+                   <= accepted_error*(maxval(abs(values))*maxval(abs(x)) + maxval(abs(b))))
    end function is_accurate
 
 end module coulter_algebra_solver

@@ -1,7 +1,7 @@
 !> Small text helpers: numbers to text, lower case.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_base_text
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
@@ -38,7 +38,7 @@ contains
 
       n_digits = 7
       if (present(digits)) n_digits = digits
-      if (ieee_is_nan(number) .or. abs(number) > huge(number)) then
+      if (.not. ieee_is_finite(number)) then
          write (buffer, "(g0)") number
          text = trim(adjustl(buffer))
          return
@@ -48,11 +48,11 @@ contains
       end if
       decade = floor(log10(abs(number)))
       if (decade >= -4 .and. decade < n_digits) then
-         write (layout, "(a, i0, a)") "(f0.", max(n_digits - 1 - decade, 1), ")"
+         write (layout, "(a, i0, a)") "(f0.", n_digits - 1 - decade, ")"
          write (buffer, layout) number
          text = without_trailing_zeros(trim(adjustl(buffer)))
       else
-         write (layout, "(a, i0, a)") "(es32.", n_digits - 1, ")"
+         write (layout, "(a, i0, a)") "(es32.", n_digits - 1, "e3)"
          write (buffer, layout) number
          buffer = adjustl(buffer)
          text = without_trailing_zeros(buffer(:index(buffer, "E") - 1)) &
@@ -105,7 +105,7 @@ contains
       if (short == "" .or. short == "-") short = short//"0"
    end function without_trailing_zeros
 
-   !> "-05" -> "-5", "+12" -> "12".
+   !> "-005" -> "-5", "+012" -> "12".
    pure function exponent_text(text) result(short)
       character(len=*), intent(in) :: text
       character(len=:), allocatable :: short
