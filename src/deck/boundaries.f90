@@ -13,6 +13,10 @@ module coulter_deck_boundaries
    private
    public :: read_fixities, read_boundaries
 
+   !> Widest band over the spacing at which the coupling term K2 is safe: at 0.1 Newton converges,
+   !> to stresses that are wrong by a third (theory, section 3).
+   real(wp), parameter :: widest_coupled_band = 1.0e-2_wp
+
 contains
 
    !> All fixities.
@@ -124,6 +128,10 @@ contains
       choice = merge(1, 2, boundary%has_coupling_term)
       call get_choice(deck, group, "formulation", choice)
       boundary%has_coupling_term = choice == 1
+      if (boundary%has_coupling_term .and. boundary%band_ratio > widest_coupled_band) then
+         call blame(deck, group, "band_ratio", "must be <= 0.01 with formulation 'implicit'," &
+                    //" whose K2 makes wide bands indefinite; 'penalty' allows more")
+      end if
       call get_value(deck, group, "memory", boundary%has_memory)
       call get_value(deck, group, "may_start_apart", boundary%may_start_apart)
    end subroutine read_boundary

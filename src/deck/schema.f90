@@ -135,7 +135,7 @@ module coulter_deck_schema
       variable_rule_type("boundary", "table", "text", 1, 1, "", "(ramp)", "", &
          "name of the table that schedules the displacement; else proportional to time"), &
       variable_rule_type("boundary", "band_ratio", "real", 1, 1, "", "5.0e-6", "> 0 <= 1", &
-         "width of the Dirichlet band over the grid spacing"), &
+         "width of the Dirichlet band over the grid spacing; at most 0.01 with `implicit`"), &
       variable_rule_type("boundary", "gauss_points", "integer", 1, 1, "", "2", ">= 1 <= 3", &
          "Gauss points per segment and cell; one misses uniform stress, more lock in bending"), &
       variable_rule_type("boundary", "formulation", "choice", 1, 1, "", "'implicit'", &
