@@ -42,8 +42,9 @@ contains
          if (allocated(error)) return
          k = k + 1
       end do
-      if (command%deck_path == "" .and. (command%task == task_run .or. command%task == task_check)) &
+      if (command%deck_path == "" .and. any(command%task == [task_run, task_check])) then
          call fatal_error(error, "no deck given; see coulter --help")
+      end if
    end subroutine read_command
 
    !> Parse the k-th argument, and its value if it has one.

@@ -2,12 +2,12 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 program main
    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
-   use coulter_base_error, only: error_type
+   use coulter_base_error, only: error_type, fatal_error
    use coulter_base_faults, only: fault_list_type
    use coulter_base_process, only: blas_name, tune_process
    use coulter_base_terminal, only: is_terminal
    use coulter_command_line, only: command_type, read_command, task_check, task_deck_reference, &
-      task_help, task_run, task_version, write_usage
+      task_help, task_version, write_usage
    use coulter_deck, only: deck_type, describe_faults, read_deck, write_deck_reference
    use coulter_model, only: model_type
    use coulter_model_observer, only: scene_report_type
@@ -34,7 +34,7 @@ program main
          compiler//", "//build_type//", "//blas_name(), compiler_flags
    case (task_deck_reference)
       call write_deck_reference(output_unit)
-   case (task_run, task_check)
+   case default
       call compute()
    end select
 
@@ -45,7 +45,7 @@ contains
       type(error_type), allocatable :: error
 
       call read_command(command, error)
-      call stop_on(error, 2)
+      call stop_on(error, 2, "coulter: ")
    end subroutine read_command_line
 
    !> Read the deck, make the model, and run it or report on it.
@@ -57,12 +57,12 @@ contains
       type(error_type), allocatable :: error
 
       call read_deck(command%deck_path, deck, model, output, error)
-      call stop_on(error, 2)
-      call prepare_model(model, faults)
-      if (faults%n_faults > 0) then
-         write (error_unit, "(a)") describe_faults(deck, faults)
-         stop 2, quiet=.true.
+      if (.not. allocated(error)) then
+         call prepare_model(model, faults)
+         if (faults%n_faults > 0) call fatal_error(error, describe_faults(deck, faults))
       end if
+      ! no prefix: editors jump to file:line
+      call stop_on(error, 2, "")
       if (command%task == task_check) then
          call report_scene(model)
       else
@@ -77,7 +77,7 @@ contains
       type(error_type), allocatable :: error
 
       call describe_scene(model, scene, error)
-      call stop_on(error, 1)
+      call stop_on(error, 1, "coulter: ")
       if (.not. command%is_quiet) call write_scene(output_unit, model, scene)
    end subroutine report_scene
 
@@ -91,15 +91,16 @@ contains
       type(run_log_type) :: log
       type(error_type), allocatable :: error
 
-      call new_results(results, command%directory, output, deck%path, deck%text, provenance(), error)
-      call stop_on(error, 2)
+      call new_results(results, command%directory, output, deck%path, deck%text, provenance(), &
+                       error)
+      call stop_on(error, 2, "coulter: ")
       call observers%add(results)
       if (.not. command%is_quiet) then
          call new_run_log(log, output_unit, is_terminal(standard_output))
          call observers%add(log)
       end if
       call run_model(model, observers, error)
-      call stop_on(error, 1)
+      call stop_on(error, 1, "coulter: ")
       if (.not. command%is_quiet) write (output_unit, "(a)") "  results in "//results%path()
    end subroutine run
 
@@ -115,13 +116,14 @@ contains
    end function provenance
 
    !> End the program with a message if there is an error.
-   subroutine stop_on(error, status)
+   subroutine stop_on(error, status, prefix)
       type(error_type), allocatable, intent(in) :: error
       integer, intent(in) :: status
+      character(len=*), intent(in) :: prefix
 
       if (.not. allocated(error)) return
       flush (output_unit)
-      write (error_unit, "(a)") "coulter: "//error%message
+      write (error_unit, "(a)") prefix//error%message
       stop status, quiet=.true.
    end subroutine stop_on
 

@@ -115,13 +115,13 @@ contains
       !> Number of the element.
       integer, intent(in) :: element
       !> Element matrix, columns first, shape (m*m).
-      real(wp), intent(in) :: matrix(*)
+      real(wp), intent(in) :: matrix(:)
       !> Values of the sparse matrix, shape (n_entries).
       real(wp), intent(inout) :: values(:)
       integer :: first, k, entry
 
       first = pattern%slot_start(element) - 1
-      do k = 1, pattern%slot_start(element + 1) - 1 - first
+      do k = 1, size(matrix)
          entry = pattern%slot(first + k)
          if (entry > 0) values(entry) = values(entry) + matrix(k)
       end do

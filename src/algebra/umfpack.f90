@@ -24,12 +24,14 @@ module coulter_algebra_umfpack
    interface
       subroutine umfpack_di_defaults(control) bind(C, name="umfpack_di_defaults")
          import :: c_double, n_control
+         implicit none (type, external)
          real(c_double), intent(out) :: control(n_control)
       end subroutine umfpack_di_defaults
 
       function umfpack_di_symbolic(n_row, n_column, column_start, row, values, symbolic, &
                                    control, info) result(status) bind(C, name="umfpack_di_symbolic")
          import :: c_double, c_int, c_ptr, n_control, n_info
+         implicit none (type, external)
          integer(c_int), value :: n_row, n_column
          integer(c_int), intent(in) :: column_start(*), row(*)
          real(c_double), intent(in) :: values(*)
@@ -43,6 +45,7 @@ module coulter_algebra_umfpack
                                     control, info) result(status) &
          bind(C, name="umfpack_di_qsymbolic")
          import :: c_double, c_int, c_ptr, n_control, n_info
+         implicit none (type, external)
          integer(c_int), value :: n_row, n_column
          integer(c_int), intent(in) :: column_start(*), row(*), order(*)
          real(c_double), intent(in) :: values(*)
@@ -55,6 +58,7 @@ module coulter_algebra_umfpack
       function umfpack_di_numeric(column_start, row, values, symbolic, numeric, control, info) &
          result(status) bind(C, name="umfpack_di_numeric")
          import :: c_double, c_int, c_ptr, n_control, n_info
+         implicit none (type, external)
          integer(c_int), intent(in) :: column_start(*), row(*)
          real(c_double), intent(in) :: values(*)
          type(c_ptr), value :: symbolic
@@ -67,6 +71,7 @@ module coulter_algebra_umfpack
       function umfpack_di_solve(system, column_start, row, values, x, b, numeric, control, info) &
          result(status) bind(C, name="umfpack_di_solve")
          import :: c_double, c_int, c_ptr, n_control, n_info
+         implicit none (type, external)
          integer(c_int), value :: system
          integer(c_int), intent(in) :: column_start(*), row(*)
          real(c_double), intent(in) :: values(*), b(*)
@@ -79,11 +84,13 @@ module coulter_algebra_umfpack
 
       subroutine umfpack_di_free_symbolic(symbolic) bind(C, name="umfpack_di_free_symbolic")
          import :: c_ptr
+         implicit none (type, external)
          type(c_ptr), intent(inout) :: symbolic
       end subroutine umfpack_di_free_symbolic
 
       subroutine umfpack_di_free_numeric(numeric) bind(C, name="umfpack_di_free_numeric")
          import :: c_ptr
+         implicit none (type, external)
          type(c_ptr), intent(inout) :: numeric
       end subroutine umfpack_di_free_numeric
    end interface

@@ -16,6 +16,7 @@ module coulter_base_directory
       !> mkdir of POSIX.
       function c_mkdir(path, mode) bind(c, name="mkdir") result(status)
          import :: c_char, c_int
+         implicit none(type, external)
          character(kind=c_char), intent(in) :: path(*)
          integer(c_int), value :: mode
          integer(c_int) :: status
@@ -24,6 +25,7 @@ module coulter_base_directory
       !> access of POSIX: 0 for yes.
       function c_access(path, question) bind(c, name="access") result(status)
          import :: c_char, c_int
+         implicit none(type, external)
          character(kind=c_char), intent(in) :: path(*)
          integer(c_int), value :: question
          integer(c_int) :: status
@@ -39,19 +41,13 @@ contains
       character(len=*), intent(in) :: path
       !> Set when files cannot be written there.
       type(error_type), allocatable, intent(out) :: error
-      integer :: last
+      character(len=:), allocatable :: ancestor
 
-      last = len_trim(path)
-      do while (last > 0)
-         if (answers(path(:last), exists)) exit
-         last = index(path(:last - 1), "/", back=.true.)
+      ancestor = trim(path)
+      do while (.not. answers(ancestor, exists))
+         ancestor = parent_of(ancestor)
       end do
-      if (last == 0) then
-         if (.not. answers(".", write_and_search)) call refuse(path, ".", error)
-      else
-         if (.not. answers(path(:last)//"/.", write_and_search)) &
-            call refuse(path, path(:last), error)
-      end if
+      if (.not. answers(ancestor//"/.", write_and_search)) call refuse(path, ancestor, error)
    end subroutine check_directory
 
    !> Make a directory and the ones above it, where they are missing.
@@ -71,6 +67,23 @@ contains
       status = c_mkdir(trim(path)//c_null_char, all_permissions)
       if (.not. answers(trim(path)//"/.", write_and_search)) call refuse(path, path, error)
    end subroutine make_directory
+
+   !> Path of the directory above; "." or "/" at the end of the way.
+   pure function parent_of(path) result(parent)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable :: parent
+      integer :: last
+
+      last = index(path, "/", back=.true.)
+      select case (last)
+      case (0)
+         parent = "."
+      case (1)
+         parent = "/"
+      case default
+         parent = path(:last - 1)
+      end select
+   end function parent_of
 
    !> Ask POSIX about a path.
    function answers(path, question) result(is_so)

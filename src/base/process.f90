@@ -17,6 +17,7 @@ module coulter_base_process
    abstract interface
       subroutine set_threads_interface(n) bind(C)
          import :: c_int
+         implicit none (type, external)
          integer(c_int), value :: n
       end subroutine set_threads_interface
    end interface
@@ -24,12 +25,14 @@ module coulter_base_process
    interface
       function mallopt(parameter, value) result(status) bind(C, name="mallopt")
          import :: c_int
+         implicit none (type, external)
          integer(c_int), value :: parameter, value
          integer(c_int) :: status
       end function mallopt
 
       function dlsym(handle, symbol) result(address) bind(C, name="dlsym")
          import :: c_char, c_funptr, c_ptr
+         implicit none (type, external)
          type(c_ptr), value :: handle
          character(kind=c_char), intent(in) :: symbol(*)
          type(c_funptr) :: address

@@ -13,6 +13,7 @@ module coulter_base_terminal
       !> isatty of POSIX: 1 for a terminal.
       function c_isatty(descriptor) bind(c, name="isatty") result(answer)
          import :: c_int
+         implicit none(type, external)
          integer(c_int), value :: descriptor
          integer(c_int) :: answer
       end function c_isatty

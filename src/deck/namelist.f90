@@ -53,19 +53,21 @@ contains
       logical_value = .false.
       text_value = ""
       open (newunit=unit, status="scratch", iostat=status, iomsg=remark)
-      message = ""
+      if (status == 0) then
+         write (unit, "(a)", iostat=status, iomsg=remark) "&one", type//"_value = "//written, "/"
+      end if
       is_valid = status == 0
       if (is_valid) then
          ! numbers such as 1e999 become infinite, also where overflow would end the program
          call ieee_get_halting_mode(ieee_overflow, is_halting)
          call ieee_set_halting_mode(ieee_overflow, .false.)
-         write (unit, "(a)") "&one", type//"_value = "//written, "/"
          rewind (unit)
          read (unit, nml=one, iostat=status)
-         is_valid = status == 0
          close (unit)
          call ieee_set_flag(ieee_overflow, .false.)
          call ieee_set_halting_mode(ieee_overflow, is_halting)
+         is_valid = status == 0
+         message = ""
       else
          message = "cannot be read without a scratch file: "//trim(remark)
       end if

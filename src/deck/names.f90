@@ -172,7 +172,7 @@ contains
       smallest = max(2, len(name)/3) + 1
       do i = 1, size(known)
          distance = edit_distance(lower_case(name), lower_case(trim(known(i))))
-         if (distance >= min(smallest, len_trim(known(i)))) cycle
+         if (distance >= min(smallest, len(name), len_trim(known(i)))) cycle
          smallest = distance
          found = trim(known(i))
       end do

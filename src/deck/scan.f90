@@ -101,7 +101,9 @@ contains
       allocate (group%assignments(size(signs)))
       last = size(tokens)
       if (size(signs) > 0) last = signs(1) - 2
-      if (last >= 1) call blame_token(deck, group, tokens(1), "stands before the first variable = value")
+      if (last >= 1) then
+         call blame_token(deck, group, tokens(1), "stands before the first variable = value")
+      end if
       do k = 1, size(signs)
          i = signs(k)
          last = size(tokens)

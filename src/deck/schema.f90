@@ -136,8 +136,8 @@ module coulter_deck_schema
          "name of the table that schedules the displacement; else proportional to time"), &
       variable_rule_type("boundary", "band_ratio", "real", 1, 1, "", "5.0e-6", "> 0 <= 1", &
          "width of the Dirichlet band over the grid spacing"), &
-      variable_rule_type("boundary", "gauss_points", "integer", 1, 1, "", "1", ">= 1 <= 3", &
-         "Gauss points per segment and cell; two or more lock inclined boundaries in bending"), &
+      variable_rule_type("boundary", "gauss_points", "integer", 1, 1, "", "2", ">= 1 <= 3", &
+         "Gauss points per segment and cell; one misses uniform stress, more lock in bending"), &
       variable_rule_type("boundary", "formulation", "choice", 1, 1, "", "'implicit'", &
          "implicit penalty", "`implicit` keeps K2 + K2^T + K3, `penalty` only K3"), &
       variable_rule_type("boundary", "memory", "logical", 1, 1, "", ".false.", "", &

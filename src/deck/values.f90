@@ -53,6 +53,7 @@ contains
       if (is_read) choice = choice_number(rule_of(deck, group, variable), value%text)
    end subroutine get_choice
 
+   !> A real number; see `get_value`.
    subroutine get_real(deck, group, variable, target)
       type(deck_type), intent(inout) :: deck
       integer, intent(in) :: group
@@ -65,6 +66,7 @@ contains
       if (is_read) target = value%reals(1)
    end subroutine get_real
 
+   !> As many real numbers as the target holds; see `get_value`.
    subroutine get_vector(deck, group, variable, target)
       type(deck_type), intent(inout) :: deck
       integer, intent(in) :: group
@@ -77,6 +79,7 @@ contains
       if (is_read) target = value%reals
    end subroutine get_vector
 
+   !> An integer; see `get_value`.
    subroutine get_integer(deck, group, variable, target)
       type(deck_type), intent(inout) :: deck
       integer, intent(in) :: group
@@ -89,6 +92,7 @@ contains
       if (is_read) target = value%integers(1)
    end subroutine get_integer
 
+   !> A logical value; see `get_value`.
    subroutine get_logical(deck, group, variable, target)
       type(deck_type), intent(inout) :: deck
       integer, intent(in) :: group
@@ -101,6 +105,7 @@ contains
       if (is_read) target = value%flag
    end subroutine get_logical
 
+   !> A text; see `get_value`.
    subroutine get_text(deck, group, variable, target)
       type(deck_type), intent(inout) :: deck
       integer, intent(in) :: group
@@ -113,6 +118,7 @@ contains
       if (is_read) target = value%text
    end subroutine get_text
 
+   !> Real numbers; see `get_list`.
    subroutine get_real_list(deck, group, variable, list)
       type(deck_type), intent(inout) :: deck
       integer, intent(in) :: group
@@ -125,6 +131,7 @@ contains
       if (is_read) call move_alloc(value%reals, list)
    end subroutine get_real_list
 
+   !> Integers; see `get_list`.
    subroutine get_integer_list(deck, group, variable, list)
       type(deck_type), intent(inout) :: deck
       integer, intent(in) :: group

@@ -37,6 +37,7 @@ module coulter_law_abstract
       pure subroutine update_interface(self, trial_strain, state, stress, tangent, strain, &
                                        new_state, has_failed)
          import :: law_type, n_plane, wp
+         implicit none (type, external)
          class(law_type), intent(in) :: self
          !> Logarithmic elastic trial strain: xx, yy, zz and engineering shear 2 xy.
          real(wp), intent(in) :: trial_strain(n_plane)
@@ -57,6 +58,7 @@ module coulter_law_abstract
       !> Elastic moduli that scale boundary penalties; constant during a step.
       pure subroutine moduli_interface(self, lame_lambda, shear_modulus)
          import :: law_type, wp
+         implicit none (type, external)
          class(law_type), intent(in) :: self
          !> First Lame parameter, stress units.
          real(wp), intent(out) :: lame_lambda
@@ -67,6 +69,7 @@ module coulter_law_abstract
       !> Logarithmic elastic strain that carries a given stress, for bodies with initial stress.
       pure function strain_interface(self, stress) result(strain)
          import :: law_type, n_plane, wp
+         implicit none (type, external)
          class(law_type), intent(in) :: self
          !> Kirchhoff stress xx, yy, zz, xy.
          real(wp), intent(in) :: stress(n_plane)

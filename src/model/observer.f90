@@ -70,7 +70,8 @@ module coulter_model_observer
       integer :: n_cells = 0, n_nodes = 0, n_dofs = 0
       !> Was the sparsity pattern of the previous step used again?
       logical :: has_reused_pattern = .false.
-      !> Wall time of this step by phase, seconds, failed attempts included.
+      !> Wall time by phase since the last report, seconds: failed attempts and the output of the
+      !> last step are included.
       real(wp) :: phase_seconds(n_phases) = 0.0_wp
       !> Remarks that the user should see, one per line; empty if none.
       character(len=:), allocatable :: warnings
@@ -94,6 +95,7 @@ module coulter_model_observer
       !> Called once with the model in its initial state.
       subroutine start_interface(self, model, scene, error)
          import :: error_type, model_type, observer_type, scene_report_type
+         implicit none (type, external)
          class(observer_type), intent(inout) :: self
          !> The model at time 0.
          type(model_type), intent(in) :: model
@@ -106,6 +108,7 @@ module coulter_model_observer
       !> Called after every accepted step or part of a step.
       subroutine step_interface(self, model, report, error)
          import :: error_type, model_type, observer_type, step_report_type
+         implicit none (type, external)
          class(observer_type), intent(inout) :: self
          !> The model at the end of the step.
          type(model_type), intent(in) :: model
@@ -118,6 +121,7 @@ module coulter_model_observer
       !> Called once at the end, also after a failure.
       subroutine finish_interface(self, model, failure)
          import :: error_type, model_type, observer_type
+         implicit none (type, external)
          class(observer_type), intent(inout) :: self
          !> The model as it was last accepted.
          type(model_type), intent(in) :: model

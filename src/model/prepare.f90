@@ -98,7 +98,7 @@ contains
          do j = 1, i - 1
             shared = overlap_area(regions(j)%vertices, regions(i)%vertices)
             if (shared <= accepted_overlap*min(regions(i)%area, regions(j)%area)) cycle
-            call faults%add("region", i, "", "overlaps region "//to_text(j)//" of body " &
+            call faults%add("region", i, "", "overlaps another region of body " &
                             //model%bodies(regions(j)%body)%name//" by an area of " &
                             //to_text(shared, 4)//"; regions must not overlap")
          end do
@@ -154,8 +154,9 @@ contains
 
       do f = 1, size(model%fixities)
          if (any(model%fixities(f)%lower > model%grid%upper_corner()) .or. &
-             any(model%fixities(f)%upper < model%grid%origin)) &
+             any(model%fixities(f)%upper < model%grid%origin)) then
             call faults%add("fixity", f, "", "its box lies outside the grid")
+         end if
       end do
    end subroutine check_fixities
 

@@ -62,6 +62,7 @@ module coulter_results_hdf5_io
       function c_set_file_locking(list, use_locking, ignore_disabled) &
          bind(c, name="H5Pset_file_locking") result(status)
          import :: c_bool, c_int, c_int64_t
+         implicit none(type, external)
          integer(c_int64_t), value :: list
          logical(c_bool), value :: use_locking, ignore_disabled
          integer(c_int) :: status

@@ -7,7 +7,8 @@ module coulter_results_log_scene
    use coulter_model, only: model_type
    use coulter_model_control, only: small_cells_aggregate, small_cells_drop
    use coulter_model_observer, only: scene_report_type
-   use coulter_results_log_text, only: bytes_text, grouped, left, right
+   use coulter_results_log_text, only: bytes_text, grouped, left, plural, right, &
+      write_paragraph
    implicit none(type, external)
    private
    public :: write_scene, name_width
@@ -40,7 +41,7 @@ contains
                        //bytes_text(scene%memory))
       call write_count("steps", int(size(model%schedule%end_time), long), "")
       call write_boundaries(unit, model)
-      write (unit, "(2x, 2a)") left("not needed", label_width), not_needed(model)
+      call write_paragraph(unit, "  "//left("not needed", label_width), not_needed(model))
 
    contains
 
@@ -95,8 +96,9 @@ contains
       if (boundary%kind == kind_roller) text = "roller, penalty"
       if (boundary%has_coupling_term) text = text//" + coupling"
       if (boundary%has_memory) text = text//", traction memory"
-      if (any(abs(boundary%displacement) > 0.0_wp)) &
+      if (any(abs(boundary%displacement) > 0.0_wp)) then
          text = text//", moves by ("//to_text(boundary%displacement)//")"
+      end if
    end function formulation
 
    !> What the scene leaves unused and the program therefore skips.
@@ -125,15 +127,5 @@ contains
       end subroutine append
 
    end function not_needed
-
-   !> "1 body", "2 bodies".
-   pure function plural(number, one, several) result(text)
-      integer, intent(in) :: number
-      character(len=*), intent(in) :: one, several
-      character(len=:), allocatable :: text
-
-      text = to_text(number)//" "//several
-      if (number == 1) text = to_text(number)//" "//one
-   end function plural
 
 end module coulter_results_log_scene

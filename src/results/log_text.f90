@@ -5,9 +5,38 @@ module coulter_results_log_text
    use coulter_base_text, only: to_text
    implicit none(type, external)
    private
-   public :: left, right, grouped, scaled_real, bytes_text, duration_text, progress_bar
+   public :: line_width, write_paragraph, progress_bar
+   public :: left, right, plural, grouped, scaled_real, bytes_text, duration_text
+
+   !> Most characters of a line.
+   integer, parameter :: line_width = 100
 
 contains
+
+   !> Write a text behind a label, on as many lines as it needs.
+   subroutine write_paragraph(unit, label, text)
+      !> Unit to write to.
+      integer, intent(in) :: unit
+      !> What stands before the first line; the others are indented by its length.
+      character(len=*), intent(in) :: label
+      !> Text to break at blanks.
+      character(len=*), intent(in) :: text
+      character(len=:), allocatable :: before
+      integer :: first, last
+
+      before = label
+      first = 1
+      do while (first <= len(text))
+         last = len(text)
+         if (last - first + 1 > line_width - len(label)) then
+            last = first + index(text(first:first + line_width - len(label)), " ", back=.true.) - 2
+         end if
+         if (last < first) last = len(text)
+         write (unit, "(2a)") before, text(first:last)
+         before = left("", len(label))
+         first = last + 2
+      end do
+   end subroutine write_paragraph
 
    !> Text padded with blanks on its right; never cut.
    pure function left(text, width) result(padded)
@@ -36,6 +65,20 @@ contains
          padded = " "//padded
       end do
    end function right
+
+   !> Number with the word that suits it: "1 body", "2 bodies".
+   pure function plural(number, one, several) result(text)
+      !> Number to write.
+      integer, intent(in) :: number
+      !> Word for one.
+      character(len=*), intent(in) :: one
+      !> Word for any other number.
+      character(len=*), intent(in) :: several
+      character(len=:), allocatable :: text
+
+      text = to_text(number)//" "//several
+      if (number == 1) text = to_text(number)//" "//one
+   end function plural
 
    !> Integer with its digits in groups of three: 1 234 567.
    pure function grouped(number) result(text)
@@ -69,7 +112,7 @@ contains
       if (abs(number) <= noise*scale) return
       decade = floor(log10(max(scale, tiny(scale))))
       layout = "(es12.3)"
-      if (abs(decade - 2) <= 4) write (layout, "(a, i0, a)") "(f20.", max(4 - decade, 0), ")"
+      if (abs(decade - 2) <= 4) write (layout, "(a, i0, a)") "(f20.", max(4 - decade, 1), ")"
       write (buffer, layout) number
       text = trim(adjustl(buffer))
    end function scaled_real

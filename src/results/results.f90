@@ -69,9 +69,8 @@ contains
       results%deck_path = deck_path
       results%deck_text = deck_text
       results%provenance = provenance
-      results%file%path = results%directory//"/results.vtkhdf"
-      if (allocated(output%name)) results%file%path = &
-         results%directory//"/"//output%name//".vtkhdf"
+      if (.not. allocated(results%output%name)) results%output%name = "results"
+      results%file%path = results%directory//"/"//results%output%name//".vtkhdf"
    end subroutine new_results
 
    !> Path of the file.
@@ -119,8 +118,9 @@ contains
       self%last_step = report%step
       call self%file%open()
       call put_history(self%history, self%file, model, report)
-      if (is_frame_due(self%output, report, size(model%schedule%end_time))) &
+      if (is_frame_due(self%output, report, size(model%schedule%end_time))) then
          call keep_frame(self, model, report%load_factor)
+      end if
       call self%file%close(error)
    end subroutine put_step
 
@@ -134,8 +134,9 @@ contains
       type(error_type), allocatable :: error
 
       call self%file%open()
-      if (model%time > self%frames%last_time) &
+      if (model%time > self%frames%last_time) then
          call keep_frame(self, model, model%time/maxval(model%schedule%end_time))
+      end if
       call put_status(self%file, failure)
       call self%file%close(error)
    end subroutine finish_results

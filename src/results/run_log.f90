@@ -9,7 +9,8 @@ module coulter_results_run_log
    use coulter_model_observer, only: n_phases, observer_type, phase_names, scene_report_type, &
       step_report_type
    use coulter_results_log_scene, only: name_width, write_scene
-   use coulter_results_log_text, only: left, progress_bar, right, scaled_real
+   use coulter_results_log_text, only: left, line_width, plural, progress_bar, right, &
+      scaled_real, write_paragraph
    implicit none(type, external)
    private
    public :: run_log_type, new_run_log
@@ -36,8 +37,6 @@ module coulter_results_run_log
    !> Columns of the step table.
    character(len=*), parameter :: step_heading = &
       "  step        time    load  iterations    residual   seconds"
-   !> Most characters of a line.
-   integer, parameter :: line_width = 100
    !> Width of a number in the reactions.
    integer, parameter :: force_width = 10
    !> Return to the start of the line and clear it, on terminals that understand ANSI.
@@ -72,8 +71,9 @@ contains
       call cpu_time(self%cpu_start)
       call write_scene(self%unit, model, scene)
       write (self%unit, "(/, a)") step_heading
-      if (size(model%boundaries) > 0) &
+      if (size(model%boundaries) > 0) then
          write (self%unit, "(8x, a)") "force x, y of each boundary on the body"//in_unit()
+      end if
       write (self%unit, "(a)") ""
       call show_progress(self, 0.0_wp, error)
 
@@ -122,8 +122,8 @@ contains
       call hide_progress(self)
       verdict = "finished"
       if (allocated(failure)) verdict = "stopped early, at time "//to_text(model%time)//","
-      write (self%unit, "(/, 2x, a)") verdict//" after "//to_text(self%n_steps)//" steps and " &
-         //to_text(self%n_iterations)//" iterations"
+      write (self%unit, "(/, 2x, a)") verdict//" after "//plural(self%n_steps, "step", "steps") &
+         //" and "//plural(self%n_iterations, "iteration", "iterations")
       call write_timing(self)
       flush (self%unit)
    end subroutine finish_log
@@ -135,8 +135,9 @@ contains
       character(len=12) :: residual, seconds
 
       residual = "-"
-      if (allocated(report%residuals)) &
+      if (allocated(report%residuals)) then
          write (residual, "(es12.1)") report%residuals(size(report%residuals))
+      end if
       write (seconds, "(f10.2)") sum(report%phase_seconds)
       line = right(to_text(report%step), 6)//merge(" ", "+", report%is_complete) &
          //right(to_text(report%time, 5), 11) &
@@ -183,7 +184,7 @@ contains
       do while (first <= len(warnings))
          last = index(warnings(first:), new_line("a")) + first - 2
          if (last < first) last = len(warnings)
-         write (unit, "(8x, 2a)") "warning: ", warnings(first:last)
+         call write_paragraph(unit, "        warning: ", warnings(first:last))
          first = last + 2
       end do
    end subroutine write_warnings
@@ -224,8 +225,10 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer :: status
 
-      if (self%has_progress_bar) write (self%unit, "(2x, a)", advance="no") &
-         progress_bar(share, wall_seconds() - self%wall_start)
+      if (self%has_progress_bar) then
+         write (self%unit, "(2x, a)", advance="no") &
+            progress_bar(share, wall_seconds() - self%wall_start)
+      end if
       flush (self%unit, iostat=status)
       if (status /= 0) call fatal_error(error, "the run log cannot be written")
    end subroutine show_progress

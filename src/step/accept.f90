@@ -66,8 +66,9 @@ contains
                               has_failed)
             failed_point = p
             if (has_failed) return
-            if (.not. model%grid%contains_position(model%points%position(:, p) + moved(:, p))) &
-               return
+            has_failed = .not. model%grid%contains_position(model%points%position(:, p) &
+                                                            + moved(:, p))
+            if (has_failed) return
          end do
       end do
       failed_point = 0

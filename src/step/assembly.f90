@@ -159,19 +159,19 @@ contains
          call add_element_matrix(system%pattern, c, matrix, system%values)
       else
          associate (transform => system%transform(:, first:last))
-            call add_element_matrix(system%pattern, c, &
-                                    transformed(reshape(matrix, [8, 8]), transform), &
+            call add_element_matrix(system%pattern, c, transformed(matrix, transform), &
                                     system%values)
          end associate
       end if
    end subroutine scatter
 
-   !> Matrix in terms of the masters, T^T K T.
+   !> Matrix in terms of the masters, T^T K T, columns first.
    pure function transformed(matrix, transform) result(product)
-      real(wp), intent(in) :: matrix(8, 8), transform(:, :)
-      real(wp) :: product(size(transform, 2), size(transform, 2))
+      real(wp), intent(in) :: matrix(64), transform(:, :)
+      real(wp) :: product(size(transform, 2)**2)
 
-      product = matmul(transpose(transform), matmul(matrix, transform))
+      product = reshape(matmul(transpose(transform), &
+                               matmul(reshape(matrix, [8, 8]), transform)), shape(product))
    end function transformed
 
 end module coulter_step_assembly

@@ -117,8 +117,9 @@ contains
       do k = 1, dofs%n_outer
          node = dofs%outer(k)
          do i = 1, 2
-            if (dofs%dof(i, node) < 0) &
+            if (dofs%dof(i, node) < 0) then
                nodal(i, node) = dot_product(dofs%share(:, k), nodal(i, dofs%master(:, k)))
+            end if
          end do
       end do
    end subroutine expand

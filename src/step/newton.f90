@@ -26,6 +26,9 @@ module coulter_step_newton
 
    !> Corrections are halved at most to this share to keep every point the right side out.
    real(wp), parameter :: smallest_share = 1.0e-3_wp
+   !> Corrections beyond this many times the edges of the grid betray a singular tangent whose
+   !> pivots round-off has kept from vanishing.
+   real(wp), parameter :: largest_motion = 1.0e3_wp
 
 contains
 
@@ -49,7 +52,7 @@ contains
          call measure(newton, system)
          call judge(newton, model, is_done)
          if (is_done) exit
-         call find_correction(newton, system)
+         call find_correction(newton, system, model)
          if (allocated(newton%failure)) exit
          call advance(newton, system, model)
          newton%n_iterations = newton%n_iterations + 1
@@ -125,21 +128,25 @@ contains
 
       residual = newton%residuals(size(newton%residuals))
       is_done = .false.
-      if (newton%n_iterations > 0) then
+      if (newton%n_iterations > 0 .and. residual <= huge(residual)) then
          is_done = residual <= model%control%tolerance &
             .or. maxval(abs(newton%correction)) &
             <= model%control%increment_tolerance*maxval(abs(newton%unknowns))
       end if
       if (is_done) return
-      is_done = newton%n_iterations >= model%control%max_iterations .or. .not. residual <= huge(residual)
-      if (is_done) newton%failure = "no equilibrium after "//to_text(newton%n_iterations) &
-         //" iterations, relative residual "//to_text(residual, 3)
+      is_done = newton%n_iterations >= model%control%max_iterations &
+         .or. .not. residual <= huge(residual)
+      if (is_done) then
+         newton%failure = "no equilibrium after "//to_text(newton%n_iterations) &
+            //" iterations, relative residual "//to_text(residual, 3)
+      end if
    end subroutine judge
 
    !> Newton correction: tangent times correction = - residual.
-   subroutine find_correction(newton, system)
+   subroutine find_correction(newton, system, model)
       type(newton_type), intent(inout) :: newton
       type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
       logical :: has_failed
 
       call system%watch%start(phase_factorise)
@@ -149,8 +156,12 @@ contains
                                                      -newton%unbalanced, newton%correction, &
                                                      has_failed)
       call system%watch%stop()
-      if (has_failed) newton%failure = "the tangent is singular: the material is unstable, or a" &
-         //" body is free to move since no boundary or fixity holds it"
+      if (.not. has_failed) has_failed = maxval(abs(newton%correction)) &
+         > largest_motion*maxval(model%grid%upper_corner() - model%grid%origin)
+      if (has_failed) then
+         newton%failure = "the tangent is singular: the material is unstable, or a body is free" &
+            //" to move since no boundary or fixity holds it"
+      end if
    end subroutine find_correction
 
    !> Apply the correction, halved as often as it takes to keep every point the right side out.

@@ -27,14 +27,16 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(system_type) :: system
       type(scene_report_type) :: scene
+      real(wp) :: reported(n_phases)
       integer :: step
 
       call new_stopwatch(system%watch, n_phases)
+      reported = 0.0_wp
       call describe_system(model, system, scene, error)
       if (.not. allocated(error)) call observer%start(model, scene, error)
       if (.not. allocated(error)) then
          do step = 1, size(model%schedule%end_time)
-            call run_load_step(model, system, step, observer, error)
+            call run_load_step(model, system, step, reported, observer, error)
             if (allocated(error)) exit
          end do
          call observer%finish(model, error)
@@ -74,21 +76,21 @@ contains
    end subroutine describe_system
 
    !> One load step, in one go or in parts: a part that fails is repeated with half its size.
-   subroutine run_load_step(model, system, step, observer, error)
+   subroutine run_load_step(model, system, step, reported, observer, error)
       type(model_type), intent(inout) :: model
       type(system_type), intent(inout) :: system
       integer, intent(in) :: step
+      real(wp), intent(inout) :: reported(n_phases)
       class(observer_type), intent(inout) :: observer
       type(error_type), allocatable, intent(out) :: error
       type(step_report_type) :: report
       character(len=:), allocatable :: failure
-      real(wp) :: last_time, increment, seconds(n_phases)
+      real(wp) :: last_time, increment
       integer :: n_halvings
 
       last_time = model%schedule%end_time(step)
       increment = last_time - model%time
       n_halvings = 0
-      seconds = system%watch%seconds
       do while (model%time < last_time)
          call advance_step(model, system, end_of_part(model%time, increment, last_time), &
                            report, failure)
@@ -102,8 +104,8 @@ contains
          report%step = step
          report%is_complete = model%time >= last_time
          report%n_halvings = n_halvings
-         report%phase_seconds = system%watch%seconds - seconds
-         seconds = system%watch%seconds
+         report%phase_seconds = system%watch%seconds - reported
+         reported = system%watch%seconds
          call system%watch%start(phase_output)
          call observer%step_done(model, report, error)
          call system%watch%stop()

@@ -205,8 +205,9 @@ contains
       type(system_type), intent(inout) :: system
       integer, intent(in) :: n_boundaries
 
-      if (.not. allocated(system%boundary_reaction)) &
+      if (.not. allocated(system%boundary_reaction)) then
          allocate (system%boundary_reaction(2, n_boundaries))
+      end if
       if (allocated(system%increment)) then
          if (size(system%increment, 2) == system%cells%n_nodes) return
          deallocate (system%increment, system%internal, system%boundary, system%external)

@@ -1,0 +1,86 @@
+"""Command line: `python -m coulter_post figures|summary FILE`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from . import figures
+from .fields import FIELDS
+from .results import Results
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run a command; returns the exit status."""
+    options = _parser().parse_args(arguments)
+    try:
+        options.command(Results(options.file), options)
+    except (KeyError, OSError, ValueError) as error:
+        print(f"coulter_post: {error.args[0] if error.args else error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="coulter_post", description=__doc__)
+    commands = parser.add_subparsers(required=True)
+
+    draw = commands.add_parser("figures", help="draw frames, forces and convergence as PNG")
+    draw.add_argument("file", type=Path, help="results file")
+    draw.add_argument("--steps", type=int, nargs="+", help="load steps to draw, 0: initial state")
+    draw.add_argument("--field", choices=sorted(FIELDS), default="ux", help="colour of the points")
+    draw.add_argument("--output", type=Path, help="directory of the figures, default: of the file")
+    draw.set_defaults(command=_draw)
+
+    summary = commands.add_parser("summary", help="print a table of the steps")
+    summary.add_argument("file", type=Path, help="results file")
+    summary.set_defaults(command=lambda results, _: print("\n".join(_summary(results))))
+    return parser
+
+
+def _draw(results: Results, options: argparse.Namespace) -> None:
+    directory = options.output or results.path.parent
+    directory.mkdir(parents=True, exist_ok=True)
+    drawn = {
+        f"frames_{options.field}": figures.draw_frames(results, options.steps, options.field),
+        "forces": figures.draw_forces(results),
+        "convergence": figures.draw_convergence(results),
+    }
+    for name, figure in drawn.items():
+        if figure is not None:
+            path = directory / f"{results.path.stem}_{name}.png"
+            figure.savefig(path, dpi=150)
+            print(path)
+
+
+def _summary(results: Results) -> list[str]:
+    history, provenance = results.history, results.provenance
+    names = results.boundary_names
+    force = results.units.get("force", "")
+    lines = [
+        results.title,
+        f"{provenance['status']}; {results.n_frames} frames,"
+        f" {len(results.frame(0).position)} points, started {provenance['started']}",
+        "",
+        "force x, y of each boundary on the body" + (f" ({force})" if force else ""),
+        f"{'step':>5} {'load':>6} {'iter':>5} {'residual':>9} {'seconds':>8}"
+        + "".join(f"{name:>22}" for name in names),
+    ]
+    for row in range(len(history["step"])):
+        residuals = history["residuals"][row]
+        last = next((value for value in residuals[::-1] if np.isfinite(value)), np.nan)
+        part = " " if history["is_complete"][row] else "+"
+        lines.append(
+            f"{history['step'][row]:>4}{part} {100.0 * history['load_factor'][row]:>4.0f} %"
+            f" {history['n_iterations'][row]:>5} {last:>9.1e}"
+            f" {history['phase_seconds'][row].sum():>8.2f}"
+            + "".join(f"{x:>11.5g}{y:>11.5g}" for x, y in history["boundary_reactions"][row])
+        )
+    return lines
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,248 @@
+"""Figures: frames of the deformed body, forces, convergence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from .fields import FIELDS
+from .results import Boundary, Frame, Grid, Results
+
+#: Look of all figures.
+STYLE = {
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.titlelocation": "left",
+    "axes.labelsize": 9.0,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "legend.frameon": False,
+    "lines.linewidth": 1.4,
+    "lines.markersize": 4.5,
+    "savefig.dpi": 150,
+}
+INK, GRID_COLOUR = "#202428", "#e2e5e8"
+#: Height of the title of a panel and its ticks, and least width of a panel (inches).
+TITLE, LEAST_WIDTH = 0.42, 1.5
+#: Most residual curves that get a label each.
+MOST_LABELS = 10
+#: Most points whose domains get an edge each.
+MOST_EDGES = 6000
+
+
+def draw_frames(results: Results, steps: Sequence[int] | None = None, field: str = "ux") -> Figure:
+    """Frames side by side: point domains to scale, coloured by a field with common limits.
+
+    Without `steps`, at most six frames are spread over the run.
+    """
+    frames = _chosen_frames(results, steps)
+    quantity = FIELDS[field]
+    values = [quantity.of(frame) for frame in frames]
+    norm = Normalize(min(v.min() for v in values), max(v.max() for v in values))
+    view = _view(frames, results.grid)
+    with mpl.rc_context(STYLE):
+        figure, axes = _panels(len(frames), view)
+        for number, (panel, frame, value) in enumerate(zip(axes, frames, values, strict=False)):
+            _draw_grid(panel, results.grid, view)
+            cells = PolyCollection(frame.outlines(), array=value, norm=norm, cmap="viridis")
+            edges = INK if len(value) <= MOST_EDGES else "face"
+            cells.set(linewidths=0.15, edgecolors=edges)
+            panel.add_collection(cells)
+            for boundary in frame.boundaries:
+                _draw_boundary(panel, boundary, view)
+            letter = f"({chr(97 + number)})  " if len(frames) > 1 else ""
+            panel.set_title(letter + _frame_title(frame))
+            _set_view(panel, view)
+        length = results.units.get("length", "")
+        figure.supxlabel(_with_unit("x", length), fontsize=9)
+        figure.supylabel(_with_unit("y", length), fontsize=9)
+        bar = figure.colorbar(cells, ax=axes, shrink=0.8, aspect=35, pad=0.015)
+        bar.set_label(_with_unit(quantity.label, results.unit(quantity.source)))
+        bar.outline.set_visible(False)
+        figure.suptitle(results.title, x=0.01, ha="left", fontsize=10.5)
+    return figure
+
+
+def draw_forces(results: Results) -> Figure | None:
+    """Push force against displacement for every boundary that moves; None where none does."""
+    history = results.history
+    moves = history["boundary_displacements"]
+    if len(moves) == 0:
+        return None
+    is_whole = history["is_complete"].astype(bool)
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.2, 3.6), layout="constrained")
+        panel = figure.subplots()
+        for index, name in enumerate(results.boundary_names):
+            path = moves[:, index]
+            length = np.linalg.norm(path, axis=1)
+            if length.max() <= 0.0:
+                continue
+            direction = path[length.argmax()] / length.max()
+            way = np.concatenate([[0.0], path @ direction])
+            push = np.concatenate([[0.0], history["boundary_reactions"][:, index] @ direction])
+            (line,) = panel.plot(way, push, label=name)
+            panel.plot(way[1:][is_whole], push[1:][is_whole], "o", color=line.get_color())
+        if not panel.lines:
+            return None
+        panel.axhline(0.0, color=INK, linewidth=0.6)
+        units = results.units
+        panel.set_xlabel(_with_unit("displacement of the boundary", units.get("length", "")))
+        panel.set_ylabel(_with_unit("push force", units.get("force", "")))
+        panel.set_title("push force on the body along the motion, compression positive")
+        panel.grid(color=GRID_COLOUR)
+        panel.set_axisbelow(True)
+        panel.legend()
+    return figure
+
+
+def draw_convergence(results: Results) -> Figure | None:
+    """Iterations per step, and the residuals of every step; None before the first step."""
+    history = results.history
+    if len(history["step"]) == 0:
+        return None
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 3.6), layout="constrained")
+        left, right = figure.subplots(1, 2, width_ratios=[1, 1.4])
+        _draw_iterations(left, history)
+        _draw_residuals(right, history)
+    return figure
+
+
+def _draw_iterations(panel: Axes, history: dict[str, np.ndarray]) -> None:
+    rows = np.arange(1, len(history["step"]) + 1)
+    panel.bar(rows, history["n_iterations"], width=0.7, color="#5b8db8")
+    labels = _row_labels(history)
+    if len(rows) <= 20:
+        panel.set_xticks(rows, labels)
+    else:
+        panel.xaxis.set_major_locator(MaxNLocator(integer=True))
+    panel.yaxis.set_major_locator(MaxNLocator(integer=True))
+    has_parts = not history["is_complete"].all()
+    panel.set_xlabel("load step (+ part of a halved step)" if has_parts else "load step")
+    panel.set_ylabel("Newton iterations")
+    panel.set_title("iterations per step")
+
+
+def _draw_residuals(panel: Axes, history: dict[str, np.ndarray]) -> None:
+    n_rows = len(history["step"])
+    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.9, n_rows))
+    labels = _row_labels(history)
+    shown = set(np.unique(np.linspace(0, n_rows - 1, min(n_rows, MOST_LABELS)).astype(int)))
+    for row in range(n_rows):
+        residuals = history["residuals"][row]
+        residuals = residuals[np.isfinite(residuals)]
+        label = labels[row] if row in shown else None
+        panel.semilogy(residuals, "o-", color=colours[row], markersize=3, label=label)
+    panel.xaxis.set_major_locator(MaxNLocator(integer=True))
+    panel.set_xlabel("Newton iteration")
+    panel.set_ylabel("relative residual")
+    panel.set_title("residual before every iteration and at the end")
+    panel.grid(color=GRID_COLOUR)
+    panel.set_axisbelow(True)
+    panel.legend(title="step", loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=8)
+
+
+def _row_labels(history: dict[str, np.ndarray]) -> list[str]:
+    """Step numbers; a part of a step that was halved carries a plus sign."""
+    pairs = zip(history["step"], history["is_complete"], strict=True)
+    return [f"{step}" if is_complete else f"{step}+" for step, is_complete in pairs]
+
+
+def _chosen_frames(results: Results, steps: Sequence[int] | None) -> list[Frame]:
+    if steps:
+        return [results.frame_of_step(step) for step in steps]
+    n_frames = results.n_frames
+    chosen = np.unique(np.linspace(0, n_frames - 1, min(n_frames, 6)).round().astype(int))
+    return [results.frame(int(index)) for index in chosen]
+
+
+def _view(frames: list[Frame], grid: Grid) -> np.ndarray:
+    """Lower and upper corner of what is shown: all frames and a margin, (2, 2)."""
+    corners = np.concatenate([frame.outlines().reshape(-1, 2) for frame in frames])
+    lower, upper = corners.min(axis=0), corners.max(axis=0)
+    margin = max(0.04 * (upper - lower).max(), 2.0 * grid.spacing.max())
+    return np.array([lower - margin, upper + margin])
+
+
+def _panels(n_panels: int, view: np.ndarray) -> tuple[Figure, list[Axes]]:
+    """Axes of equal size, in as many columns as let them be largest on a page."""
+    width, height = view[1] - view[0]
+    scale, n_columns = max(
+        (min(8.8 / columns / width, (8.6 / -(-n_panels // columns) - TITLE) / height), columns)
+        for columns in range(1, n_panels + 1)
+    )
+    n_rows = -(-n_panels // n_columns)
+    size = (
+        n_columns * max(scale * width, LEAST_WIDTH) + 1.2,
+        n_rows * (scale * height + TITLE) + 0.6,
+    )
+    figure = Figure(figsize=size, layout="constrained")
+    axes = figure.subplots(n_rows, n_columns, squeeze=False).ravel().tolist()
+    for panel in axes[n_panels:]:
+        panel.set_visible(False)
+    return figure, axes
+
+
+def _draw_grid(panel: Axes, grid: Grid, view: np.ndarray) -> None:
+    (left, bottom), (right, top) = grid.origin, grid.origin + grid.spacing * grid.cells
+    upright = [[(x, bottom), (x, top)] for x in grid.lines(0) if view[0, 0] <= x <= view[1, 0]]
+    level = [[(left, y), (right, y)] for y in grid.lines(1) if view[0, 1] <= y <= view[1, 1]]
+    lines = LineCollection(upright + level, colors=GRID_COLOUR, linewidths=0.4, zorder=0)
+    panel.add_collection(lines)
+
+
+def _draw_boundary(panel: Axes, boundary: Boundary, view: np.ndarray) -> None:
+    """The polyline, with its name outside the material, where most of a segment is in view."""
+    panel.plot(*boundary.vertices.T, color=INK, linewidth=2.0, solid_capstyle="round")
+    share = np.linspace(0.0, 1.0, 101)[:, None]
+    seen, along = [], np.zeros(2)
+    for start, end in zip(boundary.vertices[:-1], boundary.vertices[1:], strict=True):
+        places = (1.0 - share) * start + share * end
+        places = places[np.all((places >= view[0]) & (places <= view[1]), axis=1)]
+        if len(places) > len(seen):
+            seen, along = places, (end - start) / np.linalg.norm(end - start)
+    if len(seen) == 0:
+        return
+    angle = (np.degrees(np.arctan2(along[1], along[0])) + 90.0) % 180.0 - 90.0
+    outward = np.array([along[1], -along[0]])
+    panel.annotate(
+        boundary.name,
+        seen[len(seen) // 2],
+        xytext=7.5 * outward,
+        textcoords="offset points",
+        rotation=angle,
+        ha="center",
+        va="center",
+        fontsize=7,
+        color=INK,
+        rotation_mode="anchor",
+    )
+
+
+def _set_view(panel: Axes, view: np.ndarray) -> None:
+    panel.set_aspect("equal")
+    panel.set_xlim(view[:, 0])
+    panel.set_ylim(view[:, 1])
+    panel.spines[:].set_visible(False)
+    panel.tick_params(length=2, labelsize=7.5)
+
+
+def _frame_title(frame: Frame) -> str:
+    if frame.step == 0:
+        return "initial state"
+    return f"step {frame.step},  {100.0 * frame.load_factor:.0f} %"
+
+
+def _with_unit(label: str, unit: str) -> str:
+    return f"{label} ({unit})" if unit not in ("", "1") else label

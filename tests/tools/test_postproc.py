@@ -1,0 +1,121 @@
+"""The Python package reads and draws what the program writes."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+np = pytest.importorskip("numpy")
+pytest.importorskip("h5py")
+pytest.importorskip("matplotlib")
+
+SOURCE = Path(os.environ.get("COULTER_SOURCE_DIR", Path(__file__).parents[2]))
+PROGRAM = os.environ.get("COULTER_PROGRAM", str(SOURCE / "build/release/coulter"))
+sys.path.insert(0, str(SOURCE / "postproc"))
+
+from coulter_post import Results  # noqa: E402
+from coulter_post import figures  # noqa: E402
+from coulter_post.__main__ import main  # noqa: E402
+from coulter_post.fields import FIELDS  # noqa: E402
+
+N_STEPS = 4
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("patch")
+    text = (SOURCE / "input/patch/patch.nml").read_text()
+    deck = folder / "patch.nml"
+    deck.write_text(re.sub(r"&steps count = \d+ /", f"&steps count = {N_STEPS} /", text))
+    subprocess.run([PROGRAM, deck, "--quiet", "--output", folder], check=True, timeout=120)
+    return deck.with_suffix(".vtkhdf")
+
+
+@pytest.fixture(scope="module")
+def results(path) -> Results:
+    return Results(path)
+
+
+def test_frames_by_index_and_by_step(results):
+    assert results.n_frames == N_STEPS + 1
+    assert results.frame(-1).step == N_STEPS
+    assert results.frame_of_step(2).step == 2
+    with pytest.raises(KeyError, match="no frame of step 9"):
+        results.frame_of_step(9)
+    with pytest.raises(IndexError):
+        results.frame(N_STEPS + 1)
+
+
+def test_outlines_cover_the_deformed_volume(results):
+    """The area of every outline is the volume of its point, also where the domain was cut."""
+    frame = results.frame(-1)
+    x, y = np.moveaxis(frame.outlines(), -1, 0)
+    area = 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
+    stretch = frame.gradient[:, 2, 2]
+    np.testing.assert_allclose(area * stretch, frame["volume"], rtol=1e-6)
+
+
+def test_boundaries_know_where_they_are(results):
+    names = [boundary.name for boundary in results.frame(0).boundaries]
+    assert names == results.boundary_names == ["base", "left", "top"]
+    first, last = (results.frame(k).boundaries[2].vertices for k in (0, -1))
+    np.testing.assert_allclose(
+        last - first, [results.history["boundary_displacements"][-1, 2]] * 2, atol=1e-12
+    )
+
+
+def test_scene_and_origin(results):
+    assert results.title
+    assert results.provenance["status"] == "finished"
+    assert "&boundary" in results.deck
+    assert len(results.grid.lines(0)) == results.grid.cells[0] + 1
+    assert results.unit("deformation_gradient") == "1"
+
+
+@pytest.mark.parametrize("field", sorted(FIELDS))
+def test_every_field_has_a_value_per_point(results, field):
+    frame = results.frame(-1)
+    values = FIELDS[field].of(frame)
+    assert values.shape == (len(frame.position),)
+    assert np.isfinite(values).all()
+
+
+def test_colours_share_their_limits(results):
+    figure = figures.draw_frames(results, [0, 2, 4], "ux")
+    limits = {
+        artist.get_clim()
+        for panel in figure.axes
+        for artist in panel.collections
+        if artist.get_array() is not None and panel.get_title(loc="left")
+    }
+    values = np.concatenate([FIELDS["ux"].of(results.frame_of_step(k)) for k in (0, 2, 4)])
+    assert limits == {(values.min(), values.max())}
+
+
+def test_push_force_is_positive_in_compression(results):
+    """The top of the patch is pressed down: work is done on the body."""
+    (panel,) = figures.draw_forces(results).axes
+    curve = panel.lines[0]
+    assert curve.get_label() == "top"
+    assert curve.get_xdata()[0] == curve.get_ydata()[0] == 0.0
+    assert np.all(np.diff(curve.get_xdata()) > 0.0)
+    assert np.all(np.diff(curve.get_ydata()) > 0.0)
+
+
+def test_command_line_draws_and_prints(path, tmp_path, capsys):
+    assert main(["figures", str(path), "--steps", "0", "4", "--output", str(tmp_path)]) == 0
+    drawn = sorted(file.name for file in tmp_path.iterdir())
+    assert drawn == ["patch_convergence.png", "patch_forces.png", "patch_frames_ux.png"]
+    assert main(["summary", str(path)]) == 0
+    printed = capsys.readouterr().out
+    assert "top" in printed and "100 %" in printed
+
+
+def test_faults_are_told_in_one_line(path, tmp_path, capsys):
+    assert main(["summary", str(tmp_path / "none.vtkhdf")]) == 1
+    assert main(["figures", str(path), "--steps", "9", "--output", str(tmp_path)]) == 1
+    (first, second) = capsys.readouterr().err.strip().splitlines()
+    assert "no results file" in first and "no frame of step 9" in second

@@ -1,0 +1,246 @@
+"""Results files as others see them: VTK's own reader, h5py, during a run and after a kill."""
+
+import itertools
+import math
+import os
+import random
+import re
+import shutil
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+h5py = pytest.importorskip("h5py")
+np = pytest.importorskip("numpy")
+
+SOURCE = Path(os.environ.get("COULTER_SOURCE_DIR", Path(__file__).parents[2]))
+PROGRAM = os.environ.get("COULTER_PROGRAM", str(SOURCE / "build/release/coulter"))
+COMPONENTS = {
+    "displacement": 3,
+    "stress": 6,
+    "strain": 6,
+    "deformation_gradient": 9,
+    "volume_ratio": 1,
+    "volume": 1,
+    "domain": 3,
+    "body": 1,
+}
+
+
+def make_deck(folder: Path, n_steps: int, output: str = "") -> Path:
+    """The patch deck in so many steps."""
+    text = (SOURCE / "input/patch/patch.nml").read_text()
+    text, n_changes = re.subn(r"&steps count = \d+ /", f"&steps count = {n_steps} /", text)
+    assert n_changes == 1
+    deck = folder / "patch.nml"
+    deck.write_text(text + (f"&output {output} /\n" if output else ""))
+    return deck
+
+
+def run(deck: Path, *options: str) -> subprocess.CompletedProcess:
+    return subprocess.run(
+        [PROGRAM, str(deck), "--quiet", "--output", str(deck.parent), *options],
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+
+
+def results_of(deck: Path) -> Path:
+    done = run(deck)
+    assert done.returncode == 0, done.stderr
+    return deck.with_suffix(".vtkhdf")
+
+
+def read_frame(file: "h5py.File", name: str, frame: int) -> "np.ndarray":
+    root = file["VTKHDF"]
+    first, n = root["Steps/PointOffsets"][frame], root["NumberOfPoints"][frame]
+    return root[name][first : first + n]
+
+
+@pytest.mark.parametrize("output", ["", "compression = 4", "precision = 'single'"])
+def test_vtk_reads_all_steps(tmp_path, output):
+    vtk = pytest.importorskip("vtk")
+    from vtk.util.numpy_support import vtk_to_numpy
+
+    path = results_of(make_deck(tmp_path, 4, output))
+    reader = vtk.vtkHDFReader()
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    assert reader.GetNumberOfSteps() == 5
+    with h5py.File(path) as file:
+        for frame in range(5):
+            reader.SetStep(frame)
+            reader.Update()
+            data = reader.GetOutputDataObject(0)
+            n_points = int(file["VTKHDF/NumberOfPoints"][frame])
+            assert data.GetNumberOfPoints() == data.GetNumberOfVerts() == n_points
+            assert math.isclose(reader.GetTimeValue(), file["VTKHDF/Steps/Values"][frame])
+            arrays = data.GetPointData()
+            found = {
+                arrays.GetArrayName(i): arrays.GetArray(i).GetNumberOfComponents()
+                for i in range(arrays.GetNumberOfArrays())
+            }
+            assert found == COMPONENTS
+            np.testing.assert_array_equal(
+                vtk_to_numpy(arrays.GetArray("displacement")),
+                read_frame(file, "PointData/displacement", frame),
+            )
+
+
+def test_fields_agree_with_each_other(tmp_path):
+    """Positions move with displacements, J is the determinant of F, volumes follow J."""
+    with h5py.File(results_of(make_deck(tmp_path, 2))) as file:
+        start, end = (
+            {name: read_frame(file, f"PointData/{name}", k) for name in COMPONENTS} for k in (0, 2)
+        )
+        moved = read_frame(file, "Points", 0) + end["displacement"]
+        np.testing.assert_allclose(read_frame(file, "Points", 2), moved, atol=1e-12)
+        gradient = end["deformation_gradient"].reshape(-1, 3, 3)
+        np.testing.assert_allclose(np.linalg.det(gradient), end["volume_ratio"], rtol=1e-10)
+        np.testing.assert_allclose(end["volume"], start["volume"] * end["volume_ratio"])
+        assert not start["stress"].any()
+        assert np.all(start["domain"][:, :2] > 0.0)
+
+
+def test_strain_and_stress_obey_the_law(tmp_path):
+    """Hencky: Kirchhoff stress J sigma = lambda tr(e) 1 + 2 G e, E = 1000, nu = 0.3."""
+    with h5py.File(results_of(make_deck(tmp_path, 2))) as file:
+        names = ("stress", "strain", "volume_ratio")
+        stress, strain, ratio = (read_frame(file, f"PointData/{name}", 2) for name in names)
+    shear, lame = 1000.0 / 2.6, 1000.0 * 0.3 / (1.3 * 0.4)
+    expected = 2.0 * shear * strain
+    expected[:, :3] += lame * strain[:, :3].sum(axis=1, keepdims=True)
+    np.testing.assert_allclose(stress * ratio[:, None], expected, atol=1e-9 * abs(expected).max())
+
+
+def test_file_describes_itself(tmp_path):
+    deck = make_deck(tmp_path, 2)
+    with h5py.File(results_of(deck)) as file:
+        assert file["deck"][0].decode().rstrip() == deck.read_text().rstrip()
+        assert file["deck"].attrs["path"].decode() == str(deck)
+        assert file["provenance"].attrs["status"] == b"finished"
+        assert file["provenance"].attrs["version"]
+        assert [name.decode() for name in file["boundaries/name"]] == ["base", "left", "top"]
+        for name in COMPONENTS:
+            attributes = file[f"VTKHDF/PointData/{name}"].attrs
+            assert attributes["description"] and "unit" in attributes
+        undescribed = []
+        file["history"].visititems(
+            lambda name, column: None
+            if name.endswith("_names") or column.attrs.get("description")
+            else undescribed.append(name)
+        )
+        assert not undescribed
+
+
+def test_history_has_a_row_per_step(tmp_path):
+    with h5py.File(results_of(make_deck(tmp_path, 3))) as file:
+        history = file["history"]
+        assert history.attrs["n_rows"] == 3
+        assert list(history["step"]) == [1, 2, 3]
+        np.testing.assert_allclose(history["load_factor"], [1 / 3, 2 / 3, 1])
+        assert history["boundary_reactions"].shape == (3, 3, 2)
+        # equilibrium: nothing but the boundaries acts on the body
+        forces = history["boundary_reactions"][:]
+        np.testing.assert_allclose(forces.sum(axis=1), 0.0, atol=1e-6 * abs(forces).max())
+        for row, n in zip(history["residuals"], history["n_iterations"], strict=True):
+            assert np.isfinite(row[: n + 1]).all() and np.isnan(row[n + 1 :]).all()
+
+
+@pytest.mark.parametrize(
+    ("output", "steps"),
+    [("every = 2", [0, 2, 4, 5]), ("at_steps = 1, 3", [0, 1, 3, 5]), ("every = 9", [0, 5])],
+)
+def test_chosen_steps_become_frames(tmp_path, output, steps):
+    with h5py.File(results_of(make_deck(tmp_path, 5, output))) as file:
+        assert list(file["frames/step"]) == steps
+        assert file["VTKHDF/Steps"].attrs["NSteps"] == len(steps)
+        assert file["boundaries/vertices"].shape[0] == len(steps)
+
+
+def test_boundaries_move_with_their_displacement(tmp_path):
+    with h5py.File(results_of(make_deck(tmp_path, 2))) as file:
+        first = file["boundaries/offsets"][2]
+        corners = file["boundaries/vertices"][:, first:, :]
+        moves = file["history/boundary_displacements"][:, 2]
+    for frame in (1, 2):
+        expected = corners[0] + moves[frame - 1]
+        np.testing.assert_allclose(corners[frame], expected, atol=1e-12)
+
+
+def test_a_bad_deck_leaves_older_results_alone(tmp_path):
+    deck = make_deck(tmp_path, 1)
+    before = results_of(deck).read_bytes()
+    deck.write_text(deck.read_text().replace("poisson_ratio = 0.3", "poisson_ratio = 0.7"))
+    assert run(deck).returncode != 0
+    assert deck.with_suffix(".vtkhdf").read_bytes() == before
+
+
+def test_a_directory_that_cannot_be_made_is_named(tmp_path):
+    deck = make_deck(tmp_path, 1)
+    done = run(deck, "--output", str(deck / "below"))
+    assert done.returncode != 0
+    assert str(deck) in done.stderr
+
+
+def start_long_run(folder: Path, output: str) -> tuple[subprocess.Popen, Path]:
+    deck = make_deck(folder, 5000, output)
+    command = [PROGRAM, str(deck), "--quiet", "--output", str(folder)]
+    path = deck.with_suffix(".vtkhdf")
+    path.unlink(missing_ok=True)
+    process = subprocess.Popen(command)
+    while not path.exists():
+        assert process.poll() is None
+        time.sleep(0.01)
+    return process, path
+
+
+def check_all_rows(path: Path) -> int:
+    """Everything that counts is there and makes sense; returns the number of frames."""
+    with h5py.File(path, "r", locking=False) as file:
+        n_frames = int(file["VTKHDF/Steps"].attrs["NSteps"])
+        n_rows = int(file["history"].attrs["n_rows"])
+        assert np.isfinite(file["history/residuals"][:n_rows, 0]).all()
+        assert n_frames <= n_rows + 1
+        for frame in range(n_frames):
+            ratio = read_frame(file, "PointData/volume_ratio", frame)
+            assert len(ratio) > 0 and np.all(ratio > 0.5)
+    return n_frames
+
+
+@pytest.mark.parametrize("output", ["compression = 0", "compression = 4"])
+def test_a_killed_run_leaves_a_readable_file(tmp_path, output):
+    rng = random.Random(1)
+    for attempt in range(8):
+        folder = tmp_path / str(attempt)
+        folder.mkdir()
+        process, path = start_long_run(folder, output)
+        time.sleep(rng.uniform(0.15, 0.4))
+        process.kill()
+        process.wait()
+        check_all_rows(path)
+        shutil.rmtree(folder)
+
+
+def test_a_running_job_can_be_read(tmp_path):
+    """A reader that keeps the file open does not end the run either."""
+    process, path = start_long_run(tmp_path, "every = 20")
+    try:
+        seen = 0
+        for _ in itertools.repeat(None, 200):
+            try:
+                with h5py.File(path, "r") as file:
+                    seen = max(seen, int(file["VTKHDF/Steps"].attrs["NSteps"]))
+                    time.sleep(0.02)
+            except (OSError, KeyError):
+                continue
+            if seen >= 3:
+                break
+        assert seen >= 3
+        assert process.poll() is None
+    finally:
+        process.kill()
+        process.wait()
