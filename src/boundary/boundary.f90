@@ -5,11 +5,21 @@ module coulter_boundary
    implicit none(type, external)
    private
    public :: boundary_type, kind_roller, kind_fixed
+   public :: formulation_implicit, formulation_nitsche, nitsche_band_ratio
 
    !> Only the displacement along the normal is prescribed.
    integer, parameter :: kind_roller = 1
    !> Both components of the displacement are prescribed.
    integer, parameter :: kind_fixed = 2
+
+   !> The paper's implicit boundary method: stations on the segments, for points.
+   integer, parameter :: formulation_implicit = 1
+   !> Stations on the corners of tiles, with the traction of the material (Nitsche).
+   integer, parameter :: formulation_nitsche = 2
+
+   !> Penalty band over the spacing that suits Nitsche's method: any is exact in a patch test, this
+   !> one is stiff enough against penetration and soft enough for the linear algebra.
+   real(wp), parameter :: nitsche_band_ratio = 0.1_wp
 
    !> A chain of straight segments with the material on the left of each, at which the
    !> displacement is prescribed by the Implicit Boundary Method (theory, section 3).
@@ -18,6 +28,11 @@ module coulter_boundary
       character(len=:), allocatable :: name
       !> `kind_roller` or `kind_fixed`.
       integer :: kind = kind_roller
+      !> One of `formulation_*`.
+      integer :: formulation = formulation_implicit
+      !> Does the boundary hold the material that starts on it also against being pulled off? Else
+      !> it is a wall that only pushes; for `formulation_nitsche`.
+      logical :: is_bilateral = .false.
       !> Current corners of the polyline, length units, shape (2, n_segments + 1).
       real(wp), allocatable :: vertices(:, :)
       !> Total prescribed displacement at a table value of 1, length units. The boundary moves with

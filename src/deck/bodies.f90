@@ -8,6 +8,7 @@ module coulter_deck_bodies
    use coulter_deck_references, only: check_unique_names, get_reference
    use coulter_deck_values, only: get_choice, get_list, get_value, is_given
    use coulter_law, only: hencky_type, law_item_type, new_hencky
+   use coulter_model_control, only: domains_tiles
    use coulter_points_body, only: body_type, region_type
    implicit none(type, external)
    private
@@ -59,9 +60,11 @@ contains
    end subroutine read_hencky
 
    !> All bodies with their regions.
-   subroutine read_bodies(deck, bodies)
+   subroutine read_bodies(deck, domains, bodies)
       !> Scanned deck, which notes faults.
       type(deck_type), intent(inout) :: deck
+      !> What a point stands for: one of `domains_*`.
+      integer, intent(in) :: domains
       !> Bodies in the order of the deck.
       type(body_type), allocatable, intent(out) :: bodies(:)
       integer, allocatable :: groups(:)
@@ -76,6 +79,7 @@ contains
             call get_value(deck, groups(i), "name", body%name)
             call get_reference(deck, groups(i), "law", body%law)
             call get_value(deck, groups(i), "density", body%density)
+            if (domains == domains_tiles) body%points_per_cell = 1
             call get_value(deck, groups(i), "points_per_cell", body%points_per_cell)
             call get_value(deck, groups(i), "initial_stress", body%initial_stress)
          end associate

@@ -2,13 +2,15 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_deck_boundaries
    use coulter_base_kinds, only: wp
-   use coulter_boundary, only: boundary_type, kind_fixed, kind_roller
+   use coulter_boundary, only: boundary_type, formulation_implicit, formulation_nitsche, &
+      kind_fixed, kind_roller, nitsche_band_ratio
    use coulter_deck_document, only: blame, deck_type, first_group, find_groups
    use coulter_deck_outline, only: new_polyline
    use coulter_deck_references, only: check_unique_names, get_reference
-   use coulter_deck_values, only: get_choice, get_list, get_value, is_given
+   use coulter_deck_values, only: get_choice, get_list, get_value, is_given, refuse
    use coulter_grid, only: grid_type
    use coulter_model, only: fixity_type
+   use coulter_model_control, only: domains_tiles
    implicit none(type, external)
    private
    public :: read_fixities, read_boundaries
@@ -87,11 +89,13 @@ contains
    end subroutine read_box
 
    !> All implicit boundaries.
-   subroutine read_boundaries(deck, n_steps, boundaries)
+   subroutine read_boundaries(deck, n_steps, domains, boundaries)
       !> Scanned deck, which notes faults.
       type(deck_type), intent(inout) :: deck
       !> Number of load steps.
       integer, intent(in) :: n_steps
+      !> What a point stands for: one of `domains_*`.
+      integer, intent(in) :: domains
       !> Boundaries in the order of the deck.
       type(boundary_type), allocatable, intent(out) :: boundaries(:)
       integer, allocatable :: groups(:)
@@ -102,6 +106,7 @@ contains
       allocate (boundaries(size(groups)))
       do i = 1, size(groups)
          call read_boundary(deck, groups(i), boundaries(i), choice)
+         call read_formulation(deck, groups(i), domains, boundaries(i))
          call read_vertices(deck, groups(i), boundaries(i)%vertices)
          call check_motion(deck, groups(i), choice)
          call read_motion(deck, groups(i), n_steps, boundaries(i))
@@ -123,18 +128,64 @@ contains
       kind = 0
       call get_choice(deck, group, "kind", kind)
       boundary%kind = kinds(kind)
-      call get_value(deck, group, "band_ratio", boundary%band_ratio)
-      call get_value(deck, group, "gauss_points", boundary%n_gauss)
-      choice = merge(1, 2, boundary%has_coupling_term)
+      call get_value(deck, group, "may_start_apart", boundary%may_start_apart)
+   end subroutine read_boundary
+
+   !> Which equations hold the material: Nitsche's for tiles, the paper's for points.
+   subroutine read_formulation(deck, group, domains, boundary)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group, domains
+      type(boundary_type), intent(inout) :: boundary
+      integer :: choice
+
+      choice = 2
+      if (domains == domains_tiles) choice = 1
       call get_choice(deck, group, "formulation", choice)
-      boundary%has_coupling_term = choice == 1
+      if (choice == 1 .neqv. domains == domains_tiles) then
+         call blame(deck, group, "formulation", "must be 'nitsche' for domains = 'cpdi2', and" &
+                    //" 'implicit' or 'penalty' for 'mpm'")
+      else if (choice == 1) then
+         call read_nitsche(deck, group, boundary)
+      else
+         boundary%has_coupling_term = choice == 2
+         call read_implicit(deck, group, boundary)
+      end if
+   end subroutine read_formulation
+
+   !> Settings of boundaries that act on the corners of tiles.
+   subroutine read_nitsche(deck, group, boundary)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      type(boundary_type), intent(inout) :: boundary
+
+      boundary%formulation = formulation_nitsche
+      boundary%band_ratio = nitsche_band_ratio
+      boundary%is_bilateral = boundary%kind == kind_fixed
+      call get_value(deck, group, "band_ratio", boundary%band_ratio)
+      call get_value(deck, group, "bilateral", boundary%is_bilateral)
+      if (boundary%kind == kind_fixed .and. .not. boundary%is_bilateral) then
+         call blame(deck, group, "bilateral", "must be .true. unless kind = 'roller'")
+      end if
+      call refuse(deck, group, "gauss_points", "belongs to domains = 'mpm'")
+      call refuse(deck, group, "memory", "belongs to domains = 'mpm'; 'nitsche' needs none")
+   end subroutine read_nitsche
+
+   !> Settings of boundaries that act on segments.
+   subroutine read_implicit(deck, group, boundary)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      type(boundary_type), intent(inout) :: boundary
+
+      boundary%formulation = formulation_implicit
+      call get_value(deck, group, "band_ratio", boundary%band_ratio)
       if (boundary%has_coupling_term .and. boundary%band_ratio > widest_coupled_band) then
          call blame(deck, group, "band_ratio", "must be <= 0.01 with formulation 'implicit'," &
                     //" whose K2 makes wide bands indefinite; 'penalty' allows more")
       end if
+      call get_value(deck, group, "gauss_points", boundary%n_gauss)
       call get_value(deck, group, "memory", boundary%has_memory)
-      call get_value(deck, group, "may_start_apart", boundary%may_start_apart)
-   end subroutine read_boundary
+      call refuse(deck, group, "bilateral", "belongs to formulation = 'nitsche'")
+   end subroutine read_implicit
 
    !> Corners of a boundary with the material on their left.
    subroutine read_vertices(deck, group, vertices)

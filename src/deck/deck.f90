@@ -70,15 +70,15 @@ contains
 
       call read_scene(deck, model)
       call read_grid(deck, model%grid)
+      call read_control(deck, model%control)
       call read_laws(deck, model%laws)
-      call read_bodies(deck, model%bodies)
+      call read_bodies(deck, model%control%domains, model%bodies)
       call read_steps(deck, model%schedule)
       n_steps = size(model%schedule%end_time)
       call read_tables(deck, model%tables)
       call read_body_force(deck, model%body_force)
       call read_fixities(deck, model%grid, model%fixities)
-      call read_boundaries(deck, n_steps, model%boundaries)
-      call read_control(deck, model%control)
+      call read_boundaries(deck, n_steps, model%control%domains, model%boundaries)
       call read_output(deck, n_steps, output)
 
       if (deck%faults%n_faults > 0) call fatal_error(error, describe_faults(deck, deck%faults))

@@ -36,9 +36,9 @@ module coulter_deck_schema
       !> Unit; empty for a pure number.
       character(len=13) :: unit
       !> Default as written in a deck, `required`, or a remark in parentheses.
-      character(len=16) :: default
+      character(len=20) :: default
       !> Conditions such as "> 0 <= 1", or the words of a choice; empty if all is allowed.
-      character(len=24) :: range
+      character(len=26) :: range
       !> What it means.
       character(len=110) :: meaning
    end type variable_rule_type
@@ -95,8 +95,8 @@ module coulter_deck_schema
       variable_rule_type("body", "law", "text", 1, 1, "", required, "", "name of its law"), &
       variable_rule_type("body", "density", "real", 1, 1, "mass/volume", required, ">= 0", &
          "mass per volume of the undeformed body"), &
-      variable_rule_type("body", "points_per_cell", "integer", 1, 1, "", "2", ">= 1 <= 8", &
-         "material points per cell in each direction"), &
+      variable_rule_type("body", "points_per_cell", "integer", 1, 1, "", "(1, mpm: 2)", &
+         ">= 1 <= 8", "material points per cell in each direction"), &
       variable_rule_type("body", "initial_stress", "real", 4, 4, "stress", "4*0.0", "", &
          "Cauchy stress xx, yy, zz, xy at the start, tension positive"), &
       variable_rule_type("region", "body", "text", 1, 1, "", required, "", &
@@ -134,14 +134,17 @@ module coulter_deck_schema
          "(none)", "", "the same per step, for `count` equal steps without table"), &
       variable_rule_type("boundary", "table", "text", 1, 1, "", "(ramp)", "", &
          "name of the table that schedules the displacement; else proportional to time"), &
-      variable_rule_type("boundary", "band_ratio", "real", 1, 1, "", "5.0e-6", "> 0 <= 1", &
-         "width of the Dirichlet band over the grid spacing; at most 0.01 with `implicit`"), &
-      variable_rule_type("boundary", "gauss_points", "integer", 1, 1, "", "2", ">= 1 <= 3", &
-         "Gauss points per segment and cell; one misses uniform stress, more lock in bending"), &
-      variable_rule_type("boundary", "formulation", "choice", 1, 1, "", "'implicit'", &
-         "implicit penalty", "`implicit` keeps K2 + K2^T + K3, `penalty` only K3"), &
-      variable_rule_type("boundary", "memory", "logical", 1, 1, "", ".false.", "", &
-         "are tractions kept from step to step, so that held steps do not drift?"), &
+      variable_rule_type("boundary", "formulation", "choice", 1, 1, "", "(by domains)", &
+         "nitsche implicit penalty", "`nitsche` for cpdi2; for mpm `implicit`, the paper's " &
+         //"K2 + K2^T + K3, or `penalty`, K3 alone"), &
+      variable_rule_type("boundary", "bilateral", "logical", 1, 1, "", ".false.", "", &
+         "with `nitsche`: is material that starts on the boundary held against pulling off?"), &
+      variable_rule_type("boundary", "band_ratio", "real", 1, 1, "", "(0.1, mpm: 5.0e-6)", &
+         "> 0 <= 1", "penalty band over the grid spacing; at most 0.01 with `implicit`"), &
+      variable_rule_type("boundary", "gauss_points", "integer", 1, 1, "", "(2)", ">= 1 <= 3", &
+         "mpm: per segment and cell; one misses uniform stress, more lock in bending"), &
+      variable_rule_type("boundary", "memory", "logical", 1, 1, "", "(.false.)", "", &
+         "mpm: are tractions kept from step to step, so that held steps do not drift?"), &
       variable_rule_type("boundary", "may_start_apart", "logical", 1, 1, "", ".false.", "", &
          "may the boundary start away from all material?")]
 
@@ -162,6 +165,12 @@ module coulter_deck_schema
          "time at the end of every step, increasing; the start is time 0")]
 
    type(variable_rule_type), parameter :: run_rules(*) = [ &
+      variable_rule_type("control", "domains", "choice", 1, 1, "", "'cpdi2'", "cpdi2 mpm", &
+         "points own polygons that tile the body, or are mere quadrature points"), &
+      variable_rule_type("control", "hourglass", "real", 1, 1, "", "0.5", ">= 0 <= 1", &
+         "cpdi2: stiffness against hourglass modes of tiles, 1 for that of full integration"), &
+      variable_rule_type("control", "ghost_penalty", "real", 1, 1, "", "1.0e-3", ">= 0 <= 0.1", &
+         "cpdi2: stabilisation near the outline over the shear modulus"), &
       variable_rule_type("control", "tolerance", "real", 1, 1, "", "1.0e-8", "> 0 < 1", &
          "largest accepted residual norm over the norm of the internal or external force"), &
       variable_rule_type("control", "increment_tolerance", "real", 1, 1, "", "1.0e-11", &
@@ -172,9 +181,9 @@ module coulter_deck_schema
          "how often a failed step may be halved"), &
       variable_rule_type("control", "small_cells", "choice", 1, 1, "", "'aggregate'", &
          "keep drop aggregate", &
-         "cells with little material are kept, left out, or tied to the nearest full cell"), &
-      variable_rule_type("control", "fill_tolerance", "real", 1, 1, "", "0.1", ">= 0 < 1", &
-         "volume fraction below which a cell has little material"), &
+         "cells with little material are kept, left out (mpm), or tied to the nearest full cell"), &
+      variable_rule_type("control", "fill_tolerance", "real", 1, 1, "", "0.05", ">= 0 < 1", &
+         "share of a cell that is little material, for cells (mpm) or nodes (cpdi2)"), &
       variable_rule_type("output", "every", "integer", 1, 1, "", "1", ">= 1", &
          "write every so many steps; the last step is always written"), &
       variable_rule_type("output", "at_steps", "integer", 1, 1000, "", "(or every)", ">= 1", &

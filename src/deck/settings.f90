@@ -4,10 +4,11 @@ module coulter_deck_settings
    use coulter_base_error, only: error_type
    use coulter_base_kinds, only: wp
    use coulter_deck_document, only: blame, deck_type, first_group
-   use coulter_deck_values, only: get_choice, get_list, get_value, is_given
+   use coulter_deck_values, only: get_choice, get_list, get_value, is_given, refuse
    use coulter_grid, only: grid_type, new_grid
    use coulter_model, only: model_type
-   use coulter_model_control, only: control_type, small_cells_aggregate, small_cells_drop, &
+   use coulter_model_control, only: control_type, domains_points, domains_tiles, &
+      small_cells_aggregate, small_cells_drop, &
       small_cells_keep
    use coulter_model_output, only: output_type
    implicit none(type, external)
@@ -70,10 +71,17 @@ contains
       type(control_type), intent(out) :: control
       integer, parameter :: treatments(*) = &
          [small_cells_keep, small_cells_drop, small_cells_aggregate]
+      integer, parameter :: domains(*) = [domains_tiles, domains_points]
       integer :: group, choice
 
+      control%domains = domains_tiles
       group = first_group(deck, "control")
       if (group == 0) return
+      choice = findloc(domains, control%domains, dim=1)
+      call get_choice(deck, group, "domains", choice)
+      control%domains = domains(choice)
+      call get_value(deck, group, "hourglass", control%hourglass_ratio)
+      call get_value(deck, group, "ghost_penalty", control%ghost_ratio)
       call get_value(deck, group, "tolerance", control%tolerance)
       call get_value(deck, group, "increment_tolerance", control%increment_tolerance)
       call get_value(deck, group, "max_iterations", control%max_iterations)
@@ -82,6 +90,13 @@ contains
       choice = findloc(treatments, control%small_cells, dim=1)
       call get_choice(deck, group, "small_cells", choice)
       control%small_cells = treatments(choice)
+      if (control%small_cells == small_cells_drop .and. control%domains == domains_tiles) then
+         call blame(deck, group, "small_cells", "must be 'keep' or 'aggregate' for tiled domains")
+      end if
+      if (control%domains == domains_points) then
+         call refuse(deck, group, "hourglass", "belongs to domains = 'cpdi2'")
+         call refuse(deck, group, "ghost_penalty", "belongs to domains = 'cpdi2'")
+      end if
    end subroutine read_control
 
    !> When results are written, and how.

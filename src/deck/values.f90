@@ -2,13 +2,13 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_deck_values
    use coulter_base_kinds, only: wp
-   use coulter_deck_document, only: deck_type, find_assignment
+   use coulter_deck_document, only: blame, deck_type, find_assignment
    use coulter_deck_namelist, only: value_type
    use coulter_deck_schema, only: choice_number
    use coulter_deck_variable, only: read_variable, rule_of
    implicit none(type, external)
    private
-   public :: get_value, get_list, get_choice, is_given
+   public :: get_value, get_list, get_choice, is_given, refuse
 
    !> Replace a preset value by that of the deck. A variable that is absent or at fault leaves it.
    interface get_value
@@ -34,6 +34,20 @@ contains
 
       is_given = find_assignment(deck%groups(group), variable) > 0
    end function is_given
+
+   !> Note a fault if a variable is given where it means nothing.
+   subroutine refuse(deck, group, variable, reason)
+      !> Deck that notes faults.
+      type(deck_type), intent(inout) :: deck
+      !> Number of the group in the deck.
+      integer, intent(in) :: group
+      !> Variable name.
+      character(len=*), intent(in) :: variable
+      !> Where the variable belongs.
+      character(len=*), intent(in) :: reason
+
+      if (is_given(deck, group, variable)) call blame(deck, group, variable, reason)
+   end subroutine refuse
 
    !> Number of the chosen word among the choices of the schema; `choice` keeps its value when the
    !> variable is absent or at fault.

@@ -7,7 +7,7 @@ module coulter_grid_cells
    use coulter_grid, only: cell_nodes_2d, grid_type
    implicit none(type, external)
    private
-   public :: cells_type, locate_points, number_nodes
+   public :: cells_type, activate_cells, locate_points, number_nodes
 
    !> Active cells and nodes, numbered row by row.
    type :: cells_type
@@ -27,14 +27,11 @@ module coulter_grid_cells
       integer, allocatable :: point_start(:)
       !> Points ordered by cell, shape (n_points).
       integer, allocatable :: point(:)
-      !> Grid index of the first cell of the window.
-      integer :: window_lower(2) = 1
       !> Number of the active cell, or 0, at every cell of the window.
       integer, allocatable :: cell_at(:, :)
    contains
       procedure :: number_at
       procedure :: append_cell
-      procedure :: has_same_cells_as
       procedure :: local_position
    end type cells_type
 
@@ -53,34 +50,56 @@ contains
       real(wp), intent(in) :: position(:, :)
       !> First point that is outside the grid (or not a number), else 0; then nothing is made.
       integer, intent(out) :: first_outside
-      integer, allocatable :: index(:, :)
-      integer :: p, lower(2), upper(2)
+      integer :: index(2, size(position, 2))
 
-      allocate (index(2, size(position, 2)))
-      lower = grid%n_cells
-      upper = 1
+      call find_cells(grid, position, index, first_outside)
+      if (first_outside > 0) return
+      call number_cells(cells, grid, index)
+      call sort_points(cells, index)
+   end subroutine locate_points
+
+   !> Make the cells active that hold any of the given positions, without keeping who sits where.
+   pure subroutine activate_cells(cells, grid, position, first_outside)
+      !> Active cells to make.
+      type(cells_type), intent(out) :: cells
+      !> Background grid.
+      type(grid_type), intent(in) :: grid
+      !> Positions inside the grid, shape (2, n).
+      real(wp), intent(in) :: position(:, :)
+      !> First position that is outside the grid (or not a number), else 0.
+      integer, intent(out) :: first_outside
+      integer :: index(2, size(position, 2))
+
+      call find_cells(grid, position, index, first_outside)
+      if (first_outside == 0) call number_cells(cells, grid, index)
+   end subroutine activate_cells
+
+   !> Grid index of the cell of every position.
+   pure subroutine find_cells(grid, position, index, first_outside)
+      type(grid_type), intent(in) :: grid
+      real(wp), intent(in) :: position(:, :)
+      integer, intent(out) :: index(:, :)
+      integer, intent(out) :: first_outside
+      integer :: p
+
       do p = 1, size(position, 2)
          first_outside = p
          if (.not. grid%contains_position(position(:, p))) return
          index(:, p) = grid%cell_of(position(:, p))
-         lower = min(lower, index(:, p))
-         upper = max(upper, index(:, p))
       end do
       first_outside = 0
-      lower = max(lower - window_margin, 1)
-      upper = min(upper + window_margin, grid%n_cells)
-      cells%window_lower = lower
-      allocate (cells%cell_at(lower(1):upper(1), lower(2):upper(2)), source=0)
-      call number_cells(cells, index)
-      call sort_points(cells, index)
-   end subroutine locate_points
+   end subroutine find_cells
 
    !> Number the cells that hold points, row by row.
-   pure subroutine number_cells(cells, index)
+   pure subroutine number_cells(cells, grid, index)
       type(cells_type), intent(inout) :: cells
+      type(grid_type), intent(in) :: grid
       integer, intent(in) :: index(:, :)
-      integer :: p, i, j
+      integer :: p, i, j, lower(2), upper(2)
 
+      lower = max(minval(index, dim=2) - window_margin, 1)
+      upper = min(maxval(index, dim=2) + window_margin, grid%n_cells)
+      allocate (cells%cell_at(lower(1):upper(1), lower(2):upper(2)), source=0)
       do p = 1, size(index, 2)
          cells%cell_at(index(1, p), index(2, p)) = 1
       end do
@@ -193,18 +212,6 @@ contains
          end do
       end do
    end subroutine number_nodes
-
-   !> Are the same grid cells active, in the same order?
-   pure function has_same_cells_as(self, other) result(answer)
-      class(cells_type), intent(in) :: self
-      !> Active cells to compare with, perhaps not made yet.
-      type(cells_type), intent(in) :: other
-      logical :: answer
-
-      answer = allocated(other%cell_index) .and. self%n_cells == other%n_cells
-      if (answer) answer = all(self%cell_index(:, :self%n_cells) &
-                               == other%cell_index(:, :other%n_cells))
-   end function has_same_cells_as
 
    !> Position in a cell over its edge lengths: 0 to 1 inside, shape (2).
    pure function local_position(self, grid, cell, position) result(local)

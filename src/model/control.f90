@@ -5,6 +5,12 @@ module coulter_model_control
    implicit none(type, external)
    private
    public :: schedule_type, control_type, small_cells_keep, small_cells_drop, small_cells_aggregate
+   public :: domains_points, domains_tiles
+
+   !> The point is a quadrature point: standard material point method.
+   integer, parameter :: domains_points = 1
+   !> Domains are polygons that share their corners and tile the body (CPDI2).
+   integer, parameter :: domains_tiles = 2
 
    !> Cells with little material are treated like all others.
    integer, parameter :: small_cells_keep = 1
@@ -21,6 +27,12 @@ module coulter_model_control
 
    !> How a step is solved.
    type :: control_type
+      !> What a point stands for: one of `domains_*`.
+      integer :: domains = domains_points
+      !> Hourglass stiffness of tiles over that of an exactly integrated quadrilateral.
+      real(wp) :: hourglass_ratio = 0.5_wp
+      !> Ghost penalty over the shear modulus, on cell faces near the outline of tiled bodies.
+      real(wp) :: ghost_ratio = 1.0e-3_wp
       !> Largest accepted residual norm over the norm of the internal or external force.
       real(wp) :: tolerance = 1.0e-8_wp
       !> Largest accepted Newton correction over the largest displacement increment of the step;
@@ -32,8 +44,9 @@ module coulter_model_control
       integer :: max_halvings = 6
       !> What happens to cells with little material: one of `small_cells_*`.
       integer :: small_cells = small_cells_aggregate
-      !> Volume fraction below which a cell has little material.
-      real(wp) :: fill_tolerance = 0.1_wp
+      !> Volume fraction below which a cell has little material; with tiles, share of a cell's area
+      !> below which a node does.
+      real(wp) :: fill_tolerance = 0.05_wp
    end type control_type
 
 end module coulter_model_control

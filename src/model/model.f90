@@ -9,10 +9,11 @@ module coulter_model
    use coulter_model_control, only: control_type, schedule_type
    use coulter_points, only: points_type
    use coulter_points_body, only: body_type
+   use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
    private
    public :: model_type, fixity_type, units_type, body_force_type
-   public :: load_factor
+   public :: load_factor, boundary_motion
 
    !> Labels for logs and plots; Coulter computes in any consistent units.
    type :: units_type
@@ -68,6 +69,8 @@ module coulter_model
       type(schedule_type) :: schedule
       !> Solution settings.
       type(control_type) :: control
+      !> Domains of the points, if they tile the bodies.
+      type(tiling_type), allocatable :: tiling
       !> Material points, made from the bodies.
       type(points_type) :: points
       !> Time reached so far.
@@ -92,5 +95,21 @@ contains
          factor = time/model%schedule%end_time(size(model%schedule%end_time))
       end if
    end function load_factor
+
+   !> How far a boundary moves between two times, length units.
+   pure function boundary_motion(model, boundary, start_time, end_time) result(motion)
+      !> Scene with tables and schedule.
+      type(model_type), intent(in) :: model
+      !> Number of the boundary.
+      integer, intent(in) :: boundary
+      !> Times.
+      real(wp), intent(in) :: start_time, end_time
+      real(wp) :: motion(2)
+
+      associate (table => model%boundaries(boundary)%table)
+         motion = model%boundaries(boundary)%displacement &
+            *(load_factor(model, table, end_time) - load_factor(model, table, start_time))
+      end associate
+   end function boundary_motion
 
 end module coulter_model

@@ -6,7 +6,8 @@ module coulter_model_prepare
    use coulter_base_polygon, only: area_and_centroid, overlap_area, polyline_distance
    use coulter_base_text, only: to_text
    use coulter_model, only: model_type
-   use coulter_points_seeding, only: seed_initial_stress, seed_points
+   use coulter_model_control, only: domains_tiles
+   use coulter_points_seeding, only: seed_initial_stress, seed_points, seed_tiles
    implicit none(type, external)
    private
    public :: prepare_model
@@ -169,7 +170,12 @@ contains
       do i = 1, size(model%laws)
          n_state = max(n_state, model%laws(i)%law%n_state)
       end do
-      call seed_points(model%points, model%grid, model%bodies, n_state)
+      if (model%control%domains == domains_tiles) then
+         allocate (model%tiling)
+         call seed_tiles(model%points, model%tiling, model%grid, model%bodies, n_state)
+      else
+         call seed_points(model%points, model%grid, model%bodies, n_state)
+      end if
       do b = 1, size(model%bodies)
          associate (stress => model%bodies(b)%initial_stress)
             if (.not. any(abs(stress) > 0.0_wp)) cycle

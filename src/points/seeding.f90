@@ -7,18 +7,24 @@ module coulter_points_seeding
    use coulter_grid, only: grid_type
    use coulter_points, only: allocate_points, points_type
    use coulter_points_body, only: body_type, region_type
+   use coulter_points_splitting, only: split_polygon
+   use coulter_points_tiling, only: new_tiling, tiling_type
    implicit none(type, external)
    private
-   public :: seed_points, seed_initial_stress
+   public :: seed_points, seed_tiles, seed_initial_stress
 
    !> Truncated sub-cells smaller than this share of a full one are left out: they weigh nothing
    !> and their position would be round-off.
    real(wp), parameter :: smallest_share = 1.0e-10_wp
 
-   !> Points found so far, in arrays that grow.
+   !> Corners of tiles nearer than this share of a sub-cell are one.
+   real(wp), parameter :: corner_tolerance = 1.0e-7_wp
+
+   !> Points found so far, in arrays that grow. Corners are kept only when domains shall tile.
    type :: seed_list_type
       integer :: n = 0
-      real(wp), allocatable :: position(:, :), domain_size(:, :), volume(:)
+      logical :: has_tiles = .false.
+      real(wp), allocatable :: position(:, :), domain_size(:, :), volume(:), vertices(:, :, :)
       integer, allocatable :: body(:)
    end type seed_list_type
 
@@ -36,6 +42,38 @@ contains
       !> State variables per point.
       integer, intent(in) :: n_state
       type(seed_list_type) :: seeds
+
+      call seed_bodies(seeds, grid, bodies)
+      call collect_points(points, seeds, n_state)
+   end subroutine seed_points
+
+   !> Seed all bodies with points whose domains tile them: a domain that the outline cuts is split
+   !> into quadrilaterals and triangles, each with a point of its own (theory, section 4).
+   pure subroutine seed_tiles(points, tiling, grid, bodies, n_state)
+      !> Points to make, undeformed and free of stress.
+      type(points_type), intent(out) :: points
+      !> Their domains.
+      type(tiling_type), intent(out) :: tiling
+      !> Background grid.
+      type(grid_type), intent(in) :: grid
+      !> Bodies, inside the grid.
+      type(body_type), intent(in) :: bodies(:)
+      !> State variables per point.
+      integer, intent(in) :: n_state
+      type(seed_list_type) :: seeds
+
+      seeds%has_tiles = .true.
+      call seed_bodies(seeds, grid, bodies)
+      call collect_points(points, seeds, n_state)
+      call new_tiling(tiling, seeds%vertices(:, :, :seeds%n), &
+                      corner_tolerance*grid%smallest_spacing())
+   end subroutine seed_tiles
+
+   !> Seed all regions of all bodies.
+   pure subroutine seed_bodies(seeds, grid, bodies)
+      type(seed_list_type), intent(inout) :: seeds
+      type(grid_type), intent(in) :: grid
+      type(body_type), intent(in) :: bodies(:)
       integer :: b, r
 
       call make_room(seeds, 64)
@@ -44,12 +82,20 @@ contains
             call seed_region(seeds, grid, bodies(b)%regions(r), bodies(b)%points_per_cell, b)
          end do
       end do
+   end subroutine seed_bodies
+
+   !> Make points of the seeds.
+   pure subroutine collect_points(points, seeds, n_state)
+      type(points_type), intent(out) :: points
+      type(seed_list_type), intent(in) :: seeds
+      integer, intent(in) :: n_state
+
       call allocate_points(points, seeds%n, n_state)
       points%position = seeds%position(:, :seeds%n)
       points%domain_size = seeds%domain_size(:, :seeds%n)
       points%reference_volume = seeds%volume(:seeds%n)
       points%body = seeds%body(:seeds%n)
-   end subroutine seed_points
+   end subroutine collect_points
 
    !> Give the points of a body a uniform stress, balanced or not.
    pure subroutine seed_initial_stress(points, body, strain, stress)
@@ -91,7 +137,7 @@ contains
          call clip_box(whole, 2, line(2, j), line(2, j + 1), row)
          do i = first(1), last(1)
             call clip_box(row, 1, line(1, i), line(1, i + 1), domain)
-            call add_seed(seeds, domain, smallest_share*product(edge), body)
+            call add_domain(seeds, domain, edge, body)
          end do
       end do
 
@@ -108,25 +154,42 @@ contains
 
    end subroutine seed_region
 
-   !> Append the point that owns a domain, unless the domain is empty.
-   pure subroutine add_seed(seeds, domain, smallest_area, body)
+   !> Append the point that owns a domain, or those that own its tiles.
+   pure subroutine add_domain(seeds, domain, edge, body)
       type(seed_list_type), intent(inout) :: seeds
       type(polygon_type), intent(in) :: domain
-      real(wp), intent(in) :: smallest_area
+      real(wp), intent(in) :: edge(2)
+      integer, intent(in) :: body
+      real(wp), allocatable :: tile(:, :, :)
+      integer :: n_tiles, k
+
+      if (domain%n < 3) return
+      if (.not. seeds%has_tiles) then
+         call add_seed(seeds, domain%corner(:, :domain%n), smallest_share*product(edge), body)
+         return
+      end if
+      call split_polygon(domain%corner(:, :domain%n), corner_tolerance*minval(edge), tile, n_tiles)
+      do k = 1, n_tiles
+         call add_seed(seeds, tile(:, :, k), smallest_share*product(edge), body)
+      end do
+   end subroutine add_domain
+
+   !> Append the point that owns a polygon, unless that is empty.
+   pure subroutine add_seed(seeds, corner, smallest_area, body)
+      type(seed_list_type), intent(inout) :: seeds
+      real(wp), intent(in) :: corner(:, :), smallest_area
       integer, intent(in) :: body
       real(wp) :: area, centroid(2)
 
-      if (domain%n < 3) return
-      associate (corner => domain%corner(:, :domain%n))
-         call area_and_centroid(corner, area, centroid)
-         if (area <= smallest_area) return
-         if (seeds%n == size(seeds%volume)) call make_room(seeds, 2*seeds%n)
-         seeds%n = seeds%n + 1
-         seeds%position(:, seeds%n) = centroid
-         seeds%domain_size(:, seeds%n) = maxval(corner, dim=2) - minval(corner, dim=2)
-         seeds%volume(seeds%n) = area
-         seeds%body(seeds%n) = body
-      end associate
+      call area_and_centroid(corner, area, centroid)
+      if (area <= smallest_area) return
+      if (seeds%n == size(seeds%volume)) call make_room(seeds, 2*seeds%n)
+      seeds%n = seeds%n + 1
+      seeds%position(:, seeds%n) = centroid
+      seeds%domain_size(:, seeds%n) = maxval(corner, dim=2) - minval(corner, dim=2)
+      seeds%volume(seeds%n) = area
+      seeds%body(seeds%n) = body
+      if (seeds%has_tiles) seeds%vertices(:, :, seeds%n) = corner
    end subroutine add_seed
 
    !> Let the list hold `n` points, keeping those it has.
@@ -136,12 +199,15 @@ contains
       type(seed_list_type) :: grown
 
       allocate (grown%position(2, n), grown%domain_size(2, n), grown%volume(n), grown%body(n))
+      allocate (grown%vertices(2, 4, merge(n, 0, seeds%has_tiles)))
       grown%n = seeds%n
+      grown%has_tiles = seeds%has_tiles
       if (seeds%n > 0) then
          grown%position(:, :seeds%n) = seeds%position(:, :seeds%n)
          grown%domain_size(:, :seeds%n) = seeds%domain_size(:, :seeds%n)
          grown%volume(:seeds%n) = seeds%volume(:seeds%n)
          grown%body(:seeds%n) = seeds%body(:seeds%n)
+         if (seeds%has_tiles) grown%vertices(:, :, :seeds%n) = seeds%vertices(:, :, :seeds%n)
       end if
       seeds = grown
    end subroutine make_room

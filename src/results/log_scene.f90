@@ -3,9 +3,10 @@
 module coulter_results_log_scene
    use coulter_base_kinds, only: long, wp
    use coulter_base_text, only: to_text
-   use coulter_boundary, only: boundary_type, kind_roller
+   use coulter_boundary, only: boundary_type, formulation_nitsche, kind_roller
    use coulter_model, only: model_type
-   use coulter_model_control, only: small_cells_aggregate, small_cells_drop
+   use coulter_model_control, only: small_cells_aggregate, small_cells_drop, &
+      small_cells_keep
    use coulter_model_observer, only: scene_report_type
    use coulter_results_log_text, only: bytes_text, grouped, left, plural, right, &
       write_paragraph
@@ -87,15 +88,20 @@ contains
       end do
    end subroutine write_boundaries
 
-   !> How a boundary acts: "roller, penalty + coupling, moves by (-36, 0)".
+   !> How a boundary acts: "roller, pushes only, moves by (-36, 0)".
    pure function formulation(boundary) result(text)
       type(boundary_type), intent(in) :: boundary
       character(len=:), allocatable :: text
 
-      text = "fixed, penalty"
-      if (boundary%kind == kind_roller) text = "roller, penalty"
-      if (boundary%has_coupling_term) text = text//" + coupling"
-      if (boundary%has_memory) text = text//", traction memory"
+      text = "fixed"
+      if (boundary%kind == kind_roller) text = "roller"
+      if (boundary%formulation == formulation_nitsche) then
+         if (.not. boundary%is_bilateral) text = text//", pushes only"
+      else
+         text = text//", penalty"
+         if (boundary%has_coupling_term) text = text//" + coupling"
+         if (boundary%has_memory) text = text//", traction memory"
+      end if
       if (any(abs(boundary%displacement) > 0.0_wp)) then
          text = text//", moves by ("//to_text(boundary%displacement)//")"
       end if
@@ -109,10 +115,17 @@ contains
       text = ""
       if (.not. any(abs(model%body_force%acceleration) > 0.0_wp)) call append("body force")
       if (size(model%fixities) == 0) call append("grid fixities")
-      if (.not. any(model%boundaries%has_memory)) call append("traction memory")
-      if (.not. any(model%boundaries%has_coupling_term)) call append("coupling term")
-      if (model%control%small_cells /= small_cells_aggregate) call append("cell aggregation")
-      if (model%control%small_cells /= small_cells_drop) call append("dropping of cells")
+      if (allocated(model%tiling)) then
+         if (all(model%boundaries%is_bilateral)) call append("opening contacts")
+         if (.not. model%control%ghost_ratio > 0.0_wp) call append("ghost penalty")
+         if (model%control%small_cells == small_cells_keep) call append("node aggregation")
+      else
+         call append("tiling domains")
+         if (.not. any(model%boundaries%has_memory)) call append("traction memory")
+         if (.not. any(model%boundaries%has_coupling_term)) call append("coupling term")
+         if (model%control%small_cells /= small_cells_aggregate) call append("cell aggregation")
+         if (model%control%small_cells /= small_cells_drop) call append("dropping of cells")
+      end if
       if (size(model%tables) == 0) call append("load tables")
       if (text == "") text = "nothing left out"
 

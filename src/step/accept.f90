@@ -6,9 +6,9 @@ module coulter_step_accept
    use coulter_base_text, only: to_text
    use coulter_grid_shape, only: shape_gradients_2d, shape_values_2d
    use coulter_law, only: n_plane
-   use coulter_model, only: model_type
+   use coulter_model, only: boundary_motion, model_type
    use coulter_points, only: point_state_type
-   use coulter_step_assembly, only: prescribed_increment
+   use coulter_points_tiling, only: tile_centroid
    use coulter_step_point_kernel, only: deform_point
    use coulter_step_system, only: system_type
    implicit none(type, external)
@@ -30,7 +30,11 @@ contains
       integer :: failed_point
 
       allocate (moved, mold=model%points%position)
-      call update_points(model, system, moved, failed_point)
+      if (allocated(model%tiling)) then
+         call update_tiles(model, system, moved, failed_point)
+      else
+         call update_points(model, system, moved, failed_point)
+      end if
       if (failed_point > 0) then
          failure = "material point "//to_text(failed_point)//" near (" &
             //to_text(model%points%position(:, failed_point))//") is turned inside out" &
@@ -39,6 +43,9 @@ contains
       end if
       model%points%displacement = model%points%displacement + moved
       model%points%position = model%points%position + moved
+      if (allocated(model%tiling)) then
+         model%tiling%position = model%tiling%position + system%map%increment
+      end if
       call swap_states(model%points%converged, model%points%trial)
       call measure_volumes(model)
       call move_boundaries(model, system)
@@ -73,6 +80,31 @@ contains
       end do
       failed_point = 0
    end subroutine update_points
+
+   !> Trial state and motion of all tiles.
+   subroutine update_tiles(model, system, moved, failed_point)
+      type(model_type), intent(inout) :: model
+      type(system_type), intent(in) :: system
+      real(wp), intent(out) :: moved(:, :)
+      integer, intent(out) :: failed_point
+      real(wp) :: increment(2, 4)
+      integer :: p
+      logical :: has_failed
+
+      do p = 1, model%points%n_points
+         associate (corner => model%tiling%corner(:, p))
+            increment = system%map%increment(:, corner)
+            call update_point(model, p, system%map%gradient(:, :, p), increment, has_failed)
+            increment = increment + model%tiling%position(:, corner)
+         end associate
+         failed_point = p
+         if (has_failed) return
+         if (.not. (model%grid%contains_position(minval(increment, dim=2)) &
+                    .and. model%grid%contains_position(maxval(increment, dim=2)))) return
+         moved(:, p) = tile_centroid(increment) - model%points%position(:, p)
+      end do
+      failed_point = 0
+   end subroutine update_tiles
 
    !> Trial state of one point.
    subroutine update_point(model, p, gradient, increment, has_failed)
@@ -141,8 +173,7 @@ contains
       integer :: b
 
       do b = 1, size(model%boundaries)
-         increment = prescribed_increment(model, model%boundaries(b), system%start_time, &
-                                          system%end_time)
+         increment = boundary_motion(model, b, system%start_time, system%end_time)
          model%boundaries(b)%vertices = model%boundaries(b)%vertices &
             + spread(increment, 2, size(model%boundaries(b)%vertices, 2))
       end do

@@ -3,34 +3,38 @@
 module coulter_step_assembly
    use coulter_algebra_sparse, only: add_element_matrix
    use coulter_base_kinds, only: wp
-   use coulter_boundary, only: boundary_type
    use coulter_boundary_ibm, only: station_kernel_2d
    use coulter_grid_shape, only: shape_gradients_2d
-   use coulter_model, only: load_factor, model_type
+   use coulter_model, only: boundary_motion, load_factor, model_type
    use coulter_step_point_kernel, only: add_point
    use coulter_step_system, only: system_type
+   use coulter_step_tile_assembly, only: add_tiles
    implicit none(type, external)
    private
-   public :: assemble, apply_body_force, prescribed_increment
+   public :: assemble, apply_body_force
 
 contains
 
    !> Internal force, boundary force and tangent at the current displacement increments.
-   subroutine assemble(system, model, failed_cell)
+   subroutine assemble(system, model, failed_point)
       !> System of the step; gets `internal`, `boundary` and `values`.
       type(system_type), intent(inout) :: system
       !> Scene at the start of the step.
       type(model_type), intent(in) :: model
-      !> Cell with a point that is turned inside out or whose law failed, else 0.
-      integer, intent(out) :: failed_cell
+      !> A point that is turned inside out or whose law failed, else 0.
+      integer, intent(out) :: failed_point
 
-      system%values = 0.0_wp
       system%internal = 0.0_wp
       system%boundary = 0.0_wp
       system%boundary_reaction = 0.0_wp
-      call add_points(system, model, failed_cell)
-      if (failed_cell > 0) return
-      call add_stations(system, model)
+      if (allocated(model%tiling)) then
+         system%values = system%ghost_values
+         call add_tiles(system, model, failed_point)
+      else
+         system%values = 0.0_wp
+         call add_points(system, model, failed_point)
+         if (failed_point == 0) call add_stations(system, model)
+      end if
    end subroutine assemble
 
    !> External nodal forces at the end of the step.
@@ -52,42 +56,40 @@ contains
    end subroutine apply_body_force
 
    !> Sum up the points of every cell, then scatter the cell once.
-   subroutine add_points(system, model, failed_cell)
+   subroutine add_points(system, model, failed_point)
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
-      integer, intent(out) :: failed_cell
+      integer, intent(out) :: failed_point
       real(wp) :: force(2, 4), stiffness(64)
       integer :: c
-      logical :: has_failed
 
+      failed_point = 0
       do c = 1, system%cells%n_with_points
          if (.not. system%takes_part(c)) cycle
          associate (node => system%cells%node(:, c))
             call sum_points(system, model, c, system%increment(:, node), force, stiffness, &
-                            has_failed)
-            failed_cell = c
-            if (has_failed) return
+                            failed_point)
+            if (failed_point > 0) return
             system%internal(:, node) = system%internal(:, node) + force
          end associate
          call scatter(system, c, stiffness)
       end do
-      failed_cell = 0
    end subroutine add_points
 
    !> Internal force and tangent of one cell.
-   subroutine sum_points(system, model, c, increment, force, stiffness, has_failed)
+   subroutine sum_points(system, model, c, increment, force, stiffness, failed_point)
       type(system_type), intent(in) :: system
       type(model_type), intent(in) :: model
       integer, intent(in) :: c
       real(wp), intent(in) :: increment(2, 4)
       real(wp), intent(out) :: force(2, 4), stiffness(2, 4, 2, 4)
-      logical, intent(out) :: has_failed
+      integer, intent(out) :: failed_point
       real(wp) :: gradient(2, 4), spacing(2)
       integer :: k, p
+      logical :: has_failed
 
       force = 0.0_wp
       stiffness = 0.0_wp
-      has_failed = .false.
       spacing = model%grid%spacing
       do k = system%cells%point_start(c), system%cells%point_start(c + 1) - 1
          p = system%cells%point(k)
@@ -98,8 +100,10 @@ contains
                            model%points%converged%elastic_finger(:, p), &
                            model%points%converged%law_state(:, p), force, stiffness, has_failed)
          end associate
+         failed_point = p
          if (has_failed) return
       end do
+      failed_point = 0
    end subroutine sum_points
 
    !> Forces and tangents of all stations.
@@ -110,8 +114,7 @@ contains
       integer :: b, k
 
       do b = 1, size(model%boundaries)
-         prescribed(:, b) = prescribed_increment(model, model%boundaries(b), &
-                                                 system%start_time, system%end_time)
+         prescribed(:, b) = boundary_motion(model, b, system%start_time, system%end_time)
       end do
       do k = 1, system%stations%n
          associate (station => system%stations%item(k))
@@ -131,20 +134,6 @@ contains
          end associate
       end do
    end subroutine add_stations
-
-   !> How far a boundary moves between two times, length units.
-   pure function prescribed_increment(model, boundary, start_time, end_time) result(increment)
-      !> Scene with tables and schedule.
-      type(model_type), intent(in) :: model
-      !> The boundary.
-      type(boundary_type), intent(in) :: boundary
-      !> Times.
-      real(wp), intent(in) :: start_time, end_time
-      real(wp) :: increment(2)
-
-      increment = boundary%displacement*(load_factor(model, boundary%table, end_time) &
-                                         - load_factor(model, boundary%table, start_time))
-   end function prescribed_increment
 
    !> Add the matrix of a cell to the tangent, transformed to masters if it has outer nodes.
    subroutine scatter(system, c, matrix)

@@ -9,7 +9,7 @@ module coulter_step_dofs
    use coulter_model, only: fixity_type
    implicit none(type, external)
    private
-   public :: dofs_type, number_dofs, couple_cells, expand, reduce
+   public :: dofs_type, number_dofs, nodes_of_filled_cells, couple_cells, expand, reduce
 
    !> Numbering of the nodal displacements, with aggregation of badly filled cells: an outer node,
    !> one that no filled cell touches, follows by extrapolation from the nearest filled cell
@@ -35,25 +35,27 @@ module coulter_step_dofs
 contains
 
    !> Number the unknowns of all active nodes.
-   pure subroutine number_dofs(dofs, grid, cells, is_filled, fill, fixities)
+   pure subroutine number_dofs(dofs, grid, cells, is_core, may_lead, fill, fixities)
       !> Numbering to make.
       type(dofs_type), intent(out) :: dofs
       !> Background grid.
       type(grid_type), intent(in) :: grid
       !> Active cells with numbered nodes.
       type(cells_type), intent(in) :: cells
-      !> Does a cell hold enough material, shape (n_with_points)?
-      logical, intent(in) :: is_filled(:)
-      !> Share of every cell that is filled, shape (n_with_points).
+      !> Is a node an unknown of its own, or else an outer node, shape (n_nodes)?
+      logical, intent(in) :: is_core(:)
+      !> May outer nodes follow the nodes of a cell, shape (<= n_cells)? All of them are core then.
+      logical, intent(in) :: may_lead(:)
+      !> Share of these cells that is filled.
       real(wp), intent(in) :: fill(:)
       !> Conforming boundary conditions.
       type(fixity_type), intent(in) :: fixities(:)
       integer :: node, i
 
       allocate (dofs%dof(2, cells%n_nodes), source=1)
-      call find_outer_nodes(dofs, cells, is_filled)
+      call list_outer_nodes(dofs, is_core)
       call hold_nodes(dofs, grid, cells, fixities)
-      call follow_filled_cells(dofs, grid, cells, is_filled, fill)
+      call follow_cells(dofs, grid, cells, may_lead, fill)
       do node = 1, cells%n_nodes
          do i = 1, 2
             if (dofs%dof(i, node) <= 0) cycle
@@ -153,24 +155,33 @@ contains
       end do
    end subroutine reduce
 
-   !> Mark the nodes that touch no filled cell.
-   pure subroutine find_outer_nodes(dofs, cells, is_filled)
-      type(dofs_type), intent(inout) :: dofs
+   !> Nodes that touch a filled cell.
+   pure function nodes_of_filled_cells(cells, is_filled) result(is_core)
+      !> Active cells with numbered nodes.
       type(cells_type), intent(in) :: cells
+      !> Does a cell hold enough material, shape (<= n_cells)?
       logical, intent(in) :: is_filled(:)
       logical :: is_core(cells%n_nodes)
-      integer :: c, node, k
+      integer :: c
 
       is_core = .false.
-      do c = 1, cells%n_with_points
+      do c = 1, size(is_filled)
          if (is_filled(c)) is_core(cells%node(:, c)) = .true.
       end do
+   end function nodes_of_filled_cells
+
+   !> Mark the outer nodes.
+   pure subroutine list_outer_nodes(dofs, is_core)
+      type(dofs_type), intent(inout) :: dofs
+      logical, intent(in) :: is_core(:)
+      integer :: node, k
+
       dofs%n_outer = count(.not. is_core)
-      dofs%outer = pack([(node, node=1, cells%n_nodes)], .not. is_core)
+      dofs%outer = pack([(node, node=1, size(is_core))], .not. is_core)
       do k = 1, dofs%n_outer
          dofs%dof(:, dofs%outer(k)) = -k
       end do
-   end subroutine find_outer_nodes
+   end subroutine list_outer_nodes
 
    !> Take the held components out; they win over aggregation.
    pure subroutine hold_nodes(dofs, grid, cells, fixities)
@@ -196,30 +207,30 @@ contains
       end do
    end subroutine hold_nodes
 
-   !> Extrapolate every outer node from the nearest filled cell.
-   pure subroutine follow_filled_cells(dofs, grid, cells, is_filled, fill)
+   !> Extrapolate every outer node from the nearest cell that may lead.
+   pure subroutine follow_cells(dofs, grid, cells, may_lead, fill)
       type(dofs_type), intent(inout) :: dofs
       type(grid_type), intent(in) :: grid
       type(cells_type), intent(in) :: cells
-      logical, intent(in) :: is_filled(:)
+      logical, intent(in) :: may_lead(:)
       real(wp), intent(in) :: fill(:)
       integer :: k, c
 
       allocate (dofs%master(4, dofs%n_outer), dofs%share(4, dofs%n_outer))
       do k = 1, dofs%n_outer
          associate (index => cells%node_index(:, dofs%outer(k)))
-            c = nearest_filled_cell(grid, cells, is_filled, fill, index)
+            c = nearest_leading_cell(grid, cells, may_lead, fill, index)
             dofs%master(:, k) = cells%node(:, c)
             dofs%share(:, k) = shape_values_2d(real(index - cells%cell_index(:, c), wp))
          end associate
       end do
-   end subroutine follow_filled_cells
+   end subroutine follow_cells
 
-   !> Number of the filled cell whose centre is nearest to a node; the fuller one if several are.
-   pure function nearest_filled_cell(grid, cells, is_filled, fill, node) result(nearest)
+   !> Number of the leading cell whose centre is nearest to a node; the fuller one if several are.
+   pure function nearest_leading_cell(grid, cells, may_lead, fill, node) result(nearest)
       type(grid_type), intent(in) :: grid
       type(cells_type), intent(in) :: cells
-      logical, intent(in) :: is_filled(:)
+      logical, intent(in) :: may_lead(:)
       real(wp), intent(in) :: fill(:)
       integer, intent(in) :: node(2)
       integer :: nearest
@@ -235,8 +246,8 @@ contains
             do i = node(1) - 1 - ring, node(1) + ring
                if (max(abs(2*(i - node(1)) + 1), abs(2*(j - node(2)) + 1)) /= 2*ring + 1) cycle
                c = cells%number_at([i, j])
-               if (c == 0 .or. c > cells%n_with_points) cycle
-               if (.not. is_filled(c)) cycle
+               if (c == 0 .or. c > size(may_lead)) cycle
+               if (.not. may_lead(c)) cycle
                distance = sum(((real([i, j] - node, wp) + 0.5_wp)*grid%spacing)**2) &
                   - 1.0e-6_wp*grid%smallest_spacing()**2*fill(c)
                if (distance >= least) cycle
@@ -248,7 +259,7 @@ contains
          end do
          ring = ring + 1
       end do
-   end function nearest_filled_cell
+   end function nearest_leading_cell
 
    !> Number of cells with at least one outer node.
    pure function count_outer_cells(dofs, cells) result(n)

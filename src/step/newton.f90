@@ -29,6 +29,9 @@ module coulter_step_newton
    !> Corrections beyond this many times the edges of the grid betray a singular tangent whose
    !> pivots round-off has kept from vanishing.
    real(wp), parameter :: largest_motion = 1.0e3_wp
+   !> Evaluations that a line search may take, and the fall of |G| that is enough.
+   integer, parameter :: most_searches = 6
+   real(wp), parameter :: good_share = 0.8_wp
 
 contains
 
@@ -65,16 +68,15 @@ contains
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: unknowns(:)
-      integer :: failed_cell
+      integer :: failed_point
 
       call system%watch%start(phase_assemble)
       call expand(system%dofs, unknowns, system%increment)
-      call assemble(system, model, failed_cell)
+      call assemble(system, model, failed_point)
       call system%watch%stop()
-      if (failed_cell == 0) return
+      if (failed_point == 0) return
       newton%failure = "a material point is turned inside out or its law fails near (" &
-         //to_text(model%grid%origin + model%grid%spacing &
-                   *(real(system%cells%cell_index(:, failed_cell), wp) - 0.5_wp))//")"
+         //to_text(model%points%position(:, failed_point))//")"
    end subroutine evaluate
 
    !> Residual relative to the internal or external force; 1 while both vanish. Penalty forces are
@@ -84,8 +86,8 @@ contains
       type(system_type), intent(in) :: system
       real(wp) :: reference, residual
 
-      reference = max(norm_of(system%internal), norm_of(system%external))
-      call reduce_copy(system%internal + system%boundary - system%external, newton%unbalanced)
+      reference = max(norm_of(system, system%internal), norm_of(system, system%external))
+      call balance(newton, system)
       residual = norm2(newton%unbalanced)
       if (reference > 0.0_wp) then
          residual = residual/reference
@@ -94,29 +96,38 @@ contains
       end if
       newton%residuals = [newton%residuals, residual]
 
-   contains
-
-      !> Norm of nodal forces, reduced to the unknowns.
-      function norm_of(nodal) result(norm)
-         real(wp), intent(in) :: nodal(:, :)
-         real(wp) :: norm
-         real(wp) :: reduced(system%dofs%n_dofs)
-
-         call reduce_copy(nodal, reduced)
-         norm = norm2(reduced)
-      end function norm_of
-
-      !> `reduce` on a copy.
-      subroutine reduce_copy(nodal, reduced)
-         real(wp), intent(in) :: nodal(:, :)
-         real(wp), intent(out) :: reduced(:)
-         real(wp) :: copy(size(nodal, 1), size(nodal, 2))
-
-         copy = nodal
-         call reduce(system%dofs, copy, reduced)
-      end subroutine reduce_copy
-
    end subroutine measure
+
+   !> Force that is not in balance, reduced to the unknowns.
+   subroutine balance(newton, system)
+      type(newton_type), intent(inout) :: newton
+      type(system_type), intent(in) :: system
+
+      call reduce_copy(system, system%internal + system%boundary - system%external, &
+                       newton%unbalanced)
+   end subroutine balance
+
+   !> Norm of nodal forces, reduced to the unknowns.
+   function norm_of(system, nodal) result(norm)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: nodal(:, :)
+      real(wp) :: norm
+      real(wp) :: reduced(system%dofs%n_dofs)
+
+      call reduce_copy(system, nodal, reduced)
+      norm = norm2(reduced)
+   end function norm_of
+
+   !> `reduce` on a copy.
+   subroutine reduce_copy(system, nodal, reduced)
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: nodal(:, :)
+      real(wp), intent(out) :: reduced(:)
+      real(wp) :: copy(size(nodal, 1), size(nodal, 2))
+
+      copy = nodal
+      call reduce(system%dofs, copy, reduced)
+   end subroutine reduce_copy
 
    !> Converged by residual, or by increment, which also covers bodies that move free of stress;
    !> never before one correction has been made. Out of patience or out of numbers: a failure.
@@ -164,7 +175,8 @@ contains
       end if
    end subroutine find_correction
 
-   !> Apply the correction, halved as often as it takes to keep every point the right side out.
+   !> Apply the correction, shortened as far as it takes to keep every point the right side out and,
+   !> where contacts may open and close, to come nearer to equilibrium.
    subroutine advance(newton, system, model)
       type(newton_type), intent(inout) :: newton
       type(system_type), intent(inout) :: system
@@ -179,8 +191,37 @@ contains
          if (share < smallest_share) return
          deallocate (newton%failure)
       end do
+      if (system%contacts%n > 0) call search_line(newton, system, model, share)
+      if (allocated(newton%failure)) return
       newton%correction = share*newton%correction
       newton%unknowns = newton%unknowns + newton%correction
    end subroutine advance
+
+   !> Look for the zero of G(a) = correction . residual(a) by regula falsi, roughly: a step is good
+   !> enough when |G| has fallen by a fifth, or when it is a full one that has not passed the zero
+   !> (theory, section 4).
+   subroutine search_line(newton, system, model, share)
+      type(newton_type), intent(inout) :: newton
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+      real(wp), intent(inout) :: share
+      real(wp) :: start, now, low, high, slope_low, slope_high
+      integer :: k
+
+      start = dot_product(newton%correction, newton%unbalanced)
+      if (start >= 0.0_wp) return
+      low = 0.0_wp
+      slope_low = start
+      do k = 1, most_searches
+         call balance(newton, system)
+         now = dot_product(newton%correction, newton%unbalanced)
+         if (abs(now) <= good_share*abs(start) .or. now < 0.0_wp) return
+         high = share
+         slope_high = now
+         share = low + (high - low)*min(0.9_wp, max(0.1_wp, -slope_low/(slope_high - slope_low)))
+         call evaluate(newton, system, model, newton%unknowns + share*newton%correction)
+         if (allocated(newton%failure)) return
+      end do
+   end subroutine search_line
 
 end module coulter_step_newton

@@ -8,7 +8,19 @@ module coulter_step_point_kernel
    use coulter_law, only: law_type, n_plane
    implicit none(type, external)
    private
-   public :: deform_point, add_point
+   public :: point_response_type, deform_point, respond, add_point, add_force, add_stiffness
+
+   !> What a point answers to displacement increments.
+   type :: point_response_type
+      !> Kirchhoff stress xx, yy, zz, xy, tension positive, stress units.
+      real(wp) :: stress(n_plane) = 0.0_wp
+      !> Moduli A_ijkl of the spatial tangent, stress units.
+      real(wp) :: moduli(2, 2, 2, 2) = 0.0_wp
+      !> Shape function gradients at the end of the step, per length, shape (2, 4).
+      real(wp) :: gradient(2, 4) = 0.0_wp
+      !> Inverse of the in-plane deformation gradient of the step.
+      real(wp) :: inverse(2, 2) = 0.0_wp
+   end type point_response_type
 
 contains
 
@@ -46,8 +58,41 @@ contains
       finger(4) = row(1, 1)*deformation(2, 1) + row(1, 2)*deformation(2, 2)
    end subroutine deform_point
 
+   !> Stress and spatial moduli of a point at the end of the step.
+   pure subroutine respond(law, gradient, increment, converged_finger, law_state, response, &
+                           has_failed)
+      !> Law of the point.
+      class(law_type), intent(in) :: law
+      !> Shape function gradients at the start of the step, per length.
+      real(wp), intent(in) :: gradient(2, 4)
+      !> Displacement increments of the nodes or corners, length units.
+      real(wp), intent(in) :: increment(2, 4)
+      !> Converged elastic left Cauchy-Green tensor xx, yy, zz, xy.
+      real(wp), intent(in) :: converged_finger(4)
+      !> Converged state variables, shape (>= law%n_state).
+      real(wp), intent(in) :: law_state(:)
+      !> What the point answers.
+      type(point_response_type), intent(out) :: response
+      !> Is the point turned inside out, or did its law fail?
+      logical, intent(out) :: has_failed
+      real(wp) :: deformation(2, 2), volume_ratio, finger(4), strain(n_plane)
+      real(wp) :: law_tangent(n_plane, n_plane), elastic_strain(n_plane)
+      real(wp) :: new_state(law%n_state)
+
+      call deform_point(gradient, increment, converged_finger, deformation, volume_ratio, finger)
+      has_failed = .not. volume_ratio > 0.0_wp
+      if (has_failed) return
+      response%inverse = inverse_2d(deformation, volume_ratio)
+      response%gradient = matmul(transpose(response%inverse), gradient)
+      call log_strain_plane(finger, strain)
+      call law%update(strain, law_state(:law%n_state), response%stress, law_tangent, &
+                      elastic_strain, new_state, has_failed)
+      if (has_failed) return
+      call spatial_moduli(finger, response%stress, law_tangent, response%moduli)
+   end subroutine respond
+
    !> Add the internal force and the tangent of a point to those of its cell:
-   !> f_v = tau dN_v/dx V0 and K_vw = V0 dN_v,j A_ijkl dN_w,l.
+   !> f_v = tau dN_v/dx V0 and K_vw = V0 dN_v,j A_ijkl dN_w,l. Arguments: see `respond`.
    pure subroutine add_point(law, gradient, increment, volume, converged_finger, law_state, &
                              force, stiffness, has_failed)
       !> Law of the point.
@@ -68,21 +113,12 @@ contains
       real(wp), intent(inout) :: stiffness(2, 4, 2, 4)
       !> Is the point turned inside out, or did its law fail?
       logical, intent(out) :: has_failed
-      real(wp) :: deformation(2, 2), volume_ratio, finger(4), strain(n_plane), stress(n_plane)
-      real(wp) :: law_tangent(n_plane, n_plane), elastic_strain(n_plane), moduli(2, 2, 2, 2)
-      real(wp) :: current(2, 4), new_state(law%n_state)
+      type(point_response_type) :: response
 
-      call deform_point(gradient, increment, converged_finger, deformation, volume_ratio, finger)
-      has_failed = .not. volume_ratio > 0.0_wp
+      call respond(law, gradient, increment, converged_finger, law_state, response, has_failed)
       if (has_failed) return
-      current = matmul(transpose(inverse_2d(deformation, volume_ratio)), gradient)
-      call log_strain_plane(finger, strain)
-      call law%update(strain, law_state(:law%n_state), stress, law_tangent, elastic_strain, &
-                      new_state, has_failed)
-      if (has_failed) return
-      call spatial_moduli(finger, stress, law_tangent, moduli)
-      call add_force(current, stress, volume, force)
-      call add_stiffness(current, moduli, volume, stiffness)
+      call add_force(response%gradient, response%stress, volume, force)
+      call add_stiffness(response%gradient, response%moduli, volume, stiffness)
    end subroutine add_point
 
    !> Moduli A_ijkl = d tau_ij/d l_kl - tau_il delta_jk of the spatial tangent, where
@@ -119,9 +155,15 @@ contains
       value = tensor(merge(i, 4, i == j))
    end function component
 
-   !> Internal force.
+   !> Add the internal force.
    pure subroutine add_force(gradient, stress, volume, force)
-      real(wp), intent(in) :: gradient(2, 4), stress(n_plane), volume
+      !> Shape function gradients at the end of the step, per length.
+      real(wp), intent(in) :: gradient(2, 4)
+      !> Kirchhoff stress.
+      real(wp), intent(in) :: stress(n_plane)
+      !> Reference volume.
+      real(wp), intent(in) :: volume
+      !> Force on the nodes, shape (component, node).
       real(wp), intent(inout) :: force(2, 4)
 
       force(1, :) = force(1, :) &
@@ -130,9 +172,15 @@ contains
          + volume*(stress(4)*gradient(1, :) + stress(2)*gradient(2, :))
    end subroutine add_force
 
-   !> Tangent, contracted directly: twice as fast as with strain-displacement matrices.
+   !> Add the tangent, contracted directly: twice as fast as with strain-displacement matrices.
    pure subroutine add_stiffness(gradient, moduli, volume, stiffness)
-      real(wp), intent(in) :: gradient(2, 4), moduli(2, 2, 2, 2), volume
+      !> Shape function gradients at the end of the step, per length.
+      real(wp), intent(in) :: gradient(2, 4)
+      !> Spatial moduli A_ijkl.
+      real(wp), intent(in) :: moduli(2, 2, 2, 2)
+      !> Reference volume.
+      real(wp), intent(in) :: volume
+      !> Tangent, shape (component, node, component, node).
       real(wp), intent(inout) :: stiffness(2, 4, 2, 4)
       real(wp) :: half(2, 2)
       integer :: k, b

@@ -57,7 +57,7 @@ contains
       report%n_nodes = system%cells%n_nodes
       report%n_dofs = system%dofs%n_dofs
       report%has_reused_pattern = system%has_reused_pattern
-      report%loaded_lengths = system%stations%loaded_length
+      report%loaded_lengths = system%loaded_length
       report%body_force = sum(system%external, dim=2)
       report%boundary_reactions = system%boundary_reaction
       call sum_fixity_reactions(report, model, system)
@@ -87,12 +87,13 @@ contains
       end do
    end subroutine sum_fixity_reactions
 
-   !> Depth of the deepest point behind every boundary, among the points whose foot lies on one of
-   !> its segments.
+   !> Depth of the deepest point, or corner of a tile, behind every boundary, among those whose foot
+   !> lies on one of its segments.
    pure subroutine measure_penetrations(report, model)
       type(step_report_type), intent(inout) :: report
       type(model_type), intent(in) :: model
       type(segment_type) :: segment
+      real(wp) :: depth
       integer :: b, s
 
       allocate (report%penetrations(size(model%boundaries)), source=0.0_wp)
@@ -100,8 +101,12 @@ contains
          associate (vertices => model%boundaries(b)%vertices)
             do s = 1, size(vertices, 2) - 1
                call new_segment(segment, vertices(:, s), vertices(:, s + 1))
-               report%penetrations(b) = max(report%penetrations(b), &
-                                            depth_behind(segment, model%points%position))
+               if (allocated(model%tiling)) then
+                  depth = depth_behind(segment, model%tiling%position)
+               else
+                  depth = depth_behind(segment, model%points%position)
+               end if
+               report%penetrations(b) = max(report%penetrations(b), depth)
             end do
          end associate
       end do
@@ -134,8 +139,8 @@ contains
 
       report%warnings = ""
       do b = 1, size(model%boundaries)
-         associate (loaded => system%stations%loaded_length(b), &
-                    lost => system%stations%lost_length(b), boundary => model%boundaries(b))
+         associate (loaded => system%loaded_length(b), &
+                    lost => system%lost_length(b), boundary => model%boundaries(b))
             if (lost > notable_share*(loaded + lost)) then
                call add_warning(report%warnings, "boundary "//boundary%name//": " &
                                 //to_text(lost, 3)//" of its length reach material but carry no" &

@@ -9,7 +9,9 @@ module coulter_step
    use coulter_step_assembly, only: apply_body_force
    use coulter_step_newton, only: newton_type, solve_newton
    use coulter_step_report, only: report_step
-   use coulter_step_system, only: find_participants, number_system, system_type
+   use coulter_step_point_setup, only: find_participants, number_system
+   use coulter_step_system, only: system_type
+   use coulter_step_tile_setup, only: find_tile_participants, number_tile_system
    implicit none(type, external)
    private
    public :: advance_step, prepare_system
@@ -58,14 +60,22 @@ contains
       logical :: has_failed
 
       call system%watch%start(phase_locate)
-      call find_participants(system, model, first_outside)
+      if (allocated(model%tiling)) then
+         call find_tile_participants(system, model, first_outside)
+      else
+         call find_participants(system, model, first_outside)
+      end if
       call system%watch%stop()
       if (first_outside > 0) then
          failure = "point "//to_text(first_outside)//" is outside the grid"
          return
       end if
       call system%watch%start(phase_number)
-      call number_system(system, model, has_failed)
+      if (allocated(model%tiling)) then
+         call number_tile_system(system, model, has_failed)
+      else
+         call number_system(system, model, has_failed)
+      end if
       call system%watch%stop()
       if (has_failed) failure = "the sparsity pattern cannot be analysed (out of memory?)"
    end subroutine prepare_system

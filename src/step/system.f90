@@ -1,21 +1,20 @@
 !> The equilibrium system of one step: who takes part, the equations, and their solution.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_system
-   use coulter_algebra_ordering, only: dissection_order
    use coulter_algebra_solver, only: solver_type
    use coulter_algebra_sparse, only: build_pattern, element_dofs_type, pattern_type
    use coulter_base_kinds, only: long, wp
    use coulter_base_timer, only: stopwatch_type
-   use coulter_boundary_stations, only: build_stations, reach_type, recall_tractions, &
-      stations_type
-   use coulter_grid_cells, only: cells_type, locate_points, number_nodes
-   use coulter_grid_shape, only: shape_values_2d
-   use coulter_model, only: model_type
-   use coulter_model_control, only: small_cells_aggregate, small_cells_drop, small_cells_keep
-   use coulter_step_dofs, only: couple_cells, dofs_type, number_dofs
+   use coulter_boundary_contact, only: contacts_type, held_edge_type
+   use coulter_boundary_stations, only: stations_type
+   use coulter_grid_cells, only: cells_type
+   use coulter_step_dofs, only: dofs_type
+   use coulter_step_ghost, only: ghost_type
+   use coulter_step_tile_map, only: tile_map_type
+   use coulter_step_unknowns, only: coupling_type
    implicit none(type, external)
    private
-   public :: system_type, find_participants, number_system, system_memory
+   public :: system_type, renew_pattern, make_room, system_memory
 
    !> Everything that lives for one step, and what is kept from step to step because it may not
    !> have changed (pattern, symbolic factorisation).
@@ -42,6 +41,16 @@ module coulter_step_system
       integer, allocatable :: transform_start(:)
       !> These transformations.
       real(wp), allocatable :: transform(:, :)
+      !> For tiled bodies: where their corners sit in the grid.
+      type(tile_map_type) :: map
+      !> Contacts on their outer edges, and the edges that bilateral boundaries keep for good.
+      type(contacts_type) :: contacts
+      type(held_edge_type), allocatable :: held_edges(:)
+      !> Stabilised cell faces, their stiffness, and what they add to the tangent.
+      type(ghost_type) :: ghost
+      real(wp), allocatable :: ghost_stiffness(:), ghost_values(:)
+      !> Unknowns of all tiles.
+      type(coupling_type) :: coupling
       !> Sparsity pattern of the tangent.
       type(pattern_type) :: pattern
       !> Values of the tangent, shape (n_entries).
@@ -54,6 +63,9 @@ module coulter_step_system
       real(wp), allocatable :: increment(:, :)
       !> Internal, boundary and external nodal forces, shape (2, n_nodes).
       real(wp), allocatable :: internal(:, :), boundary(:, :), external(:, :)
+      !> Length of every boundary that acts on material, and that material reaches in vain, length
+      !> units, shape (n_boundaries).
+      real(wp), allocatable :: loaded_length(:), lost_length(:)
       !> Force of every boundary on the body, shape (2, n_boundaries).
       real(wp), allocatable :: boundary_reaction(:, :)
       !> Mass that each node carries, shape (n_nodes).
@@ -62,56 +74,33 @@ module coulter_step_system
 
 contains
 
-   !> Find who takes part in a step: cells with points, boundary stations, nodes.
-   subroutine find_participants(system, model, first_outside)
-      !> System of the step.
+   !> Make pattern, scatter map and symbolic factorisation, unless those of the last step hold.
+   subroutine renew_pattern(system, elements, has_failed, order)
+      !> System with numbered unknowns.
       type(system_type), intent(inout) :: system
-      !> Scene at the start of the step.
-      type(model_type), intent(in) :: model
-      !> First point outside the grid, else 0.
-      integer, intent(out) :: first_outside
-      type(reach_type) :: reach
-
-      call locate_points(system%cells, model%grid, model%points%position, first_outside)
-      if (first_outside > 0) return
-      call measure_fill(system, model)
-      reach%is_filled = is_filled(system, model)
-      reach%is_filled_only = model%control%small_cells == small_cells_drop
-      reach%has_empty_cells = model%control%small_cells == small_cells_aggregate
-      system%takes_part = reach%is_filled .or. .not. reach%is_filled_only
-      call build_stations(system%stations, model%boundaries, model%grid, system%cells, reach)
-      call equip_stations(system, model)
-      call number_nodes(system%cells)
-   end subroutine find_participants
-
-   !> Number the unknowns; make pattern, scatter map and symbolic factorisation unless those of the
-   !> last step still hold.
-   subroutine number_system(system, model, has_failed)
-      !> System of the step.
-      type(system_type), intent(inout) :: system
-      !> Scene.
-      type(model_type), intent(in) :: model
+      !> The unknowns that its elements couple.
+      type(element_dofs_type), intent(in) :: elements
       !> Could the pattern not be analysed?
       logical, intent(out) :: has_failed
-      type(element_dofs_type) :: elements
+      !> Elimination order, zero-based, shape (n_dofs); the solver finds one if there is none.
+      integer, intent(in), optional :: order(:)
+      integer :: none(0)
 
       has_failed = .false.
-      call number_dofs(system%dofs, model%grid, system%cells, is_filled(system, model), &
-                       system%fill, model%fixities)
-      call couple_cells(system%dofs, system%cells, elements, system%transform_start, &
-                        system%transform)
-      call gather_mass(system, model)
-      call make_room(system, size(model%boundaries))
       system%has_reused_pattern = are_equal(system%elements, elements)
       if (system%has_reused_pattern) return
       system%elements = elements
       call build_pattern(system%pattern, system%dofs%n_dofs, system%elements)
       if (allocated(system%values)) deallocate (system%values)
       allocate (system%values(system%pattern%n_entries))
-      call system%solver%analyse(system%pattern, &
-                                 dissection_order(system%dofs%dof, system%cells%node_index), &
-                                 has_failed)
-   end subroutine number_system
+      if (present(order)) then
+         call system%solver%analyse(system%pattern, order, has_failed)
+      else
+         call system%solver%analyse(system%pattern, none, has_failed)
+      end if
+      ! what could not be analysed must not be taken for known in the next attempt
+      if (has_failed) system%elements%n_elements = -1
+   end subroutine renew_pattern
 
    !> Bytes that the system occupies, factors included.
    pure function system_memory(system) result(bytes)
@@ -120,93 +109,30 @@ contains
       integer(long) :: bytes
 
       bytes = 4_long*int(size(system%cells%cell_index) + size(system%cells%node) &
-                         + size(system%cells%node_index) + size(system%cells%point) &
-                         + size(system%cells%cell_at) + size(system%elements%dof) &
-                         + size(system%pattern%slot) + size(system%pattern%row), long) &
-         + 8_long*int(size(system%values) + 4*size(system%increment) + size(system%transform) &
-                      + size(system%stations%item)*storage_size(system%stations%item)/64, long) &
+                         + size(system%cells%node_index) + size(system%cells%cell_at) &
+                         + size(system%elements%dof) + size(system%pattern%slot) &
+                         + size(system%pattern%row), long) &
+         + 8_long*int(size(system%values) + 4*size(system%increment), long) &
          + system%solver%factor_memory
+      if (allocated(system%cells%point)) bytes = bytes + 4_long*int(size(system%cells%point), long)
+      if (allocated(system%transform)) bytes = bytes + 8_long*int(size(system%transform), long)
+      if (allocated(system%map%area)) then
+         bytes = bytes + 8_long*int(10*size(system%map%area) + 8*size(system%map%shape, 2) &
+                                    + size(system%coupling%share) + size(system%ghost_values), long)
+      end if
    end function system_memory
-
-   !> Current volume of the points of every cell over the volume of the cell.
-   pure subroutine measure_fill(system, model)
-      type(system_type), intent(inout) :: system
-      type(model_type), intent(in) :: model
-      integer :: c, k, p
-
-      if (allocated(system%fill)) deallocate (system%fill)
-      allocate (system%fill(system%cells%n_with_points), source=0.0_wp)
-      do c = 1, system%cells%n_with_points
-         do k = system%cells%point_start(c), system%cells%point_start(c + 1) - 1
-            p = system%cells%point(k)
-            system%fill(c) = system%fill(c) &
-               + model%points%reference_volume(p)*model%points%volume_ratio(p)
-         end do
-      end do
-      system%fill = system%fill/model%grid%cell_volume()
-   end subroutine measure_fill
-
-   !> Does a cell hold enough material? If none does, all count as filled.
-   pure function is_filled(system, model) result(answer)
-      type(system_type), intent(in) :: system
-      type(model_type), intent(in) :: model
-      logical :: answer(system%cells%n_with_points)
-
-      answer = .true.
-      if (model%control%small_cells == small_cells_keep) return
-      answer = system%fill >= model%control%fill_tolerance
-      if (.not. any(answer)) answer = .true.
-   end function is_filled
-
-   !> Give the stations the moduli of the material that they hold, and their memories.
-   pure subroutine equip_stations(system, model)
-      type(system_type), intent(inout) :: system
-      type(model_type), intent(in) :: model
-      integer :: k, point, law
-
-      do k = 1, system%stations%n
-         associate (station => system%stations%item(k))
-            point = system%cells%point(system%cells%point_start(station%material_cell))
-            law = model%bodies(model%points%body(point))%law
-            call model%laws(law)%law%elastic_moduli(station%law%lame_lambda, &
-                                                    station%law%shear_modulus)
-         end associate
-      end do
-      if (.not. any(model%boundaries%has_memory)) return
-      call recall_tractions(system%stations, system%last_stations, model%boundaries, &
-                            model%grid%smallest_spacing())
-   end subroutine equip_stations
-
-   !> Share out the mass of the points to the nodes; only when there is a body force.
-   pure subroutine gather_mass(system, model)
-      type(system_type), intent(inout) :: system
-      type(model_type), intent(in) :: model
-      integer :: c, k, p
-      real(wp) :: mass, local(2)
-
-      if (allocated(system%nodal_mass)) deallocate (system%nodal_mass)
-      if (.not. any(abs(model%body_force%acceleration) > 0.0_wp)) return
-      allocate (system%nodal_mass(system%cells%n_nodes), source=0.0_wp)
-      do c = 1, system%cells%n_with_points
-         if (.not. system%takes_part(c)) cycle
-         do k = system%cells%point_start(c), system%cells%point_start(c + 1) - 1
-            p = system%cells%point(k)
-            mass = model%bodies(model%points%body(p))%density*model%points%reference_volume(p)
-            local = system%cells%local_position(model%grid, c, model%points%position(:, p))
-            associate (node => system%cells%node(:, c))
-               system%nodal_mass(node) = system%nodal_mass(node) + mass*shape_values_2d(local)
-            end associate
-         end do
-      end do
-   end subroutine gather_mass
 
    !> Nodal arrays of the step.
    pure subroutine make_room(system, n_boundaries)
+      !> System with numbered nodes.
       type(system_type), intent(inout) :: system
+      !> Number of boundaries.
       integer, intent(in) :: n_boundaries
 
       if (.not. allocated(system%boundary_reaction)) then
          allocate (system%boundary_reaction(2, n_boundaries))
+         allocate (system%loaded_length(n_boundaries), source=0.0_wp)
+         allocate (system%lost_length(n_boundaries), source=0.0_wp)
       end if
       if (allocated(system%increment)) then
          if (size(system%increment, 2) == system%cells%n_nodes) return

@@ -1,0 +1,247 @@
+!> Point domains that tile the body: polygons with shared corners (CPDI2).
+!>
+!> Sadeghirad, A., Brannon, R. M. and Guilkey, J. E. (2013), Int. J. Numer. Meth. Engng 95, 928-952.
+!> Corners are shared between neighbours, so that a uniform stress cancels exactly inside the body;
+!> cut domains are split into quadrilaterals and triangles (theory, section 4).
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_points_tiling
+   use coulter_base_kinds, only: wp
+   use coulter_base_polygon, only: area_and_centroid
+   implicit none(type, external)
+   private
+   public :: tiling_type, new_tiling, corner_gradients, corner_weights, tile_centroid
+
+   !> Tiles and their corners; tile p is the domain of point p.
+   type :: tiling_type
+      !> Number of corners.
+      integer :: n_corners = 0
+      !> Current positions of the corners, length units, shape (2, n_corners).
+      real(wp), allocatable :: position(:, :)
+      !> Corners of every tile, counter-clockwise; a triangle repeats its third corner, shape
+      !> (4, n_points).
+      integer, allocatable :: corner(:, :)
+      !> Hourglass vector of every undeformed tile: orthogonal to all linear fields, shape
+      !> (4, n_points).
+      real(wp), allocatable :: hourglass(:, :)
+      !> Edges that only one tile owns: first corner, last corner, tile (on the left), shape
+      !> (3, n_edges).
+      integer, allocatable :: outer_edge(:, :)
+   end type tiling_type
+
+   !> Corners that some tile or edge list hangs on, in ragged rows.
+   type :: bucket_type
+      integer, allocatable :: start(:), item(:)
+   end type bucket_type
+
+contains
+
+   !> Join polygons at their common corners.
+   pure subroutine new_tiling(tiling, vertices, tolerance)
+      !> Tiling to make.
+      type(tiling_type), intent(out) :: tiling
+      !> Corners of every polygon on its own, counter-clockwise, length units, shape
+      !> (2, 4, n_points).
+      real(wp), intent(in) :: vertices(:, :, :)
+      !> Corners nearer than this are one.
+      real(wp), intent(in) :: tolerance
+      integer :: p
+
+      allocate (tiling%corner(4, size(vertices, 3)), tiling%hourglass(4, size(vertices, 3)))
+      call merge_corners(tiling, reshape(vertices, [2, 4*size(vertices, 3)]), tolerance)
+      call find_outer_edges(tiling)
+      do p = 1, size(vertices, 3)
+         tiling%hourglass(:, p) = hourglass_vector(tiling%position(:, tiling%corner(:, p)))
+      end do
+   end subroutine new_tiling
+
+   !> Gradients of the corner functions of a tile and its area:
+   !> g_c = (y_{c+1} - y_{c-1}, x_{c-1} - x_{c+1})/(2 A).
+   pure subroutine corner_gradients(corner, gradient, area)
+      !> Corners, counter-clockwise, length units.
+      real(wp), intent(in) :: corner(2, 4)
+      !> Gradients, per length.
+      real(wp), intent(out) :: gradient(2, 4)
+      !> Area.
+      real(wp), intent(out) :: area
+      real(wp) :: first(2), second(2)
+
+      first = corner(:, 3) - corner(:, 1)
+      second = corner(:, 4) - corner(:, 2)
+      area = 0.5_wp*(first(1)*second(2) - first(2)*second(1))
+      gradient(:, 1) = 0.5_wp*[-second(2), second(1)]/area
+      gradient(:, 2) = 0.5_wp*[first(2), -first(1)]/area
+      gradient(:, 3) = -gradient(:, 1)
+      gradient(:, 4) = -gradient(:, 2)
+   end subroutine corner_gradients
+
+   !> Shares of a uniform load on a tile that go to its corners: the means of the bilinear corner
+   !> functions of a parallelogram, and of the linear ones of a triangle.
+   pure function corner_weights(corner) result(weight)
+      !> Corners, counter-clockwise, length units.
+      real(wp), intent(in) :: corner(2, 4)
+      real(wp) :: weight(4)
+      integer, parameter :: half(3, 4) = reshape([1, 2, 3, 1, 3, 4, 2, 3, 4, 2, 4, 1], [3, 4])
+      real(wp) :: edge(2), next(2)
+      integer :: k
+
+      ! the tile is cut into two triangles along either diagonal, and the two answers are averaged
+      weight = 0.0_wp
+      do k = 1, 4
+         edge = corner(:, half(2, k)) - corner(:, half(1, k))
+         next = corner(:, half(3, k)) - corner(:, half(1, k))
+         weight(half(:, k)) = weight(half(:, k)) + edge(1)*next(2) - edge(2)*next(1)
+      end do
+      weight = weight/sum(weight)
+   end function corner_weights
+
+   !> Centroid of a tile.
+   pure function tile_centroid(corner) result(centroid)
+      !> Corners, counter-clockwise, length units.
+      real(wp), intent(in) :: corner(2, 4)
+      real(wp) :: centroid(2)
+      real(wp) :: area
+
+      call area_and_centroid(corner, area, centroid)
+   end function tile_centroid
+
+   !> Gamma = (h - (h.X) g)/4 with h = (1, -1, 1, -1); zero for triangles.
+   pure function hourglass_vector(corner) result(gamma)
+      real(wp), intent(in) :: corner(2, 4)
+      real(wp) :: gamma(4)
+      real(wp), parameter :: pattern(4) = [1.0_wp, -1.0_wp, 1.0_wp, -1.0_wp]
+      real(wp) :: gradient(2, 4), area
+
+      call corner_gradients(corner, gradient, area)
+      gamma = 0.25_wp*(pattern - matmul(matmul(corner, pattern), gradient))
+   end function hourglass_vector
+
+   !> Number the distinct corners in the order of their x coordinate.
+   pure subroutine merge_corners(tiling, vertex, tolerance)
+      type(tiling_type), intent(inout) :: tiling
+      real(wp), intent(in) :: vertex(:, :)
+      real(wp), intent(in) :: tolerance
+      integer :: order(size(vertex, 2)), number(size(vertex, 2))
+      real(wp) :: position(2, size(vertex, 2))
+      integer :: i, k, n, first
+
+      call sort_by_first(vertex(1, :), order)
+      n = 0
+      first = 1
+      do i = 1, size(order)
+         ! corners that are too far left can be forgotten
+         do while (first <= n)
+            if (position(1, first) >= vertex(1, order(i)) - tolerance) exit
+            first = first + 1
+         end do
+         do k = n, first, -1
+            if (maxval(abs(position(:, k) - vertex(:, order(i)))) <= tolerance) exit
+         end do
+         if (k < first) then
+            n = n + 1
+            k = n
+            position(:, n) = vertex(:, order(i))
+         end if
+         number(order(i)) = k
+      end do
+      tiling%n_corners = n
+      tiling%position = position(:, :n)
+      tiling%corner = reshape(number, shape(tiling%corner))
+   end subroutine merge_corners
+
+   !> List the edges that no other tile runs along in the opposite sense.
+   pure subroutine find_outer_edges(tiling)
+      type(tiling_type), intent(inout) :: tiling
+      type(bucket_type) :: leaving
+      integer :: p, k, a, b, n
+      integer :: edge(3, 4*size(tiling%corner, 2))
+
+      call list_leaving_edges(tiling, leaving)
+      n = 0
+      do p = 1, size(tiling%corner, 2)
+         do k = 1, 4
+            a = tiling%corner(k, p)
+            b = tiling%corner(modulo(k, 4) + 1, p)
+            if (a == b) cycle
+            if (any(leaving%item(leaving%start(b):leaving%start(b + 1) - 1) == a)) cycle
+            n = n + 1
+            edge(:, n) = [a, b, p]
+         end do
+      end do
+      tiling%outer_edge = edge(:, :n)
+   end subroutine find_outer_edges
+
+   !> For every corner, the corners that edges leaving it run to.
+   pure subroutine list_leaving_edges(tiling, leaving)
+      type(tiling_type), intent(in) :: tiling
+      type(bucket_type), intent(out) :: leaving
+      integer :: p, k, a, b
+
+      allocate (leaving%start(tiling%n_corners + 1), source=0)
+      allocate (leaving%item(4*size(tiling%corner, 2)), source=0)
+      do p = 1, size(tiling%corner, 2)
+         do k = 1, 4
+            a = tiling%corner(k, p)
+            leaving%start(a) = leaving%start(a) + 1
+         end do
+      end do
+      leaving%start(tiling%n_corners + 1) = size(leaving%item) + 1
+      do a = tiling%n_corners, 1, -1
+         leaving%start(a) = leaving%start(a + 1) - leaving%start(a)
+      end do
+      ! filled from the front of each row; zeros remain where a triangle repeats a corner
+      do p = 1, size(tiling%corner, 2)
+         do k = 1, 4
+            a = tiling%corner(k, p)
+            b = tiling%corner(modulo(k, 4) + 1, p)
+            if (a == b) cycle
+            associate (row => leaving%item(leaving%start(a):leaving%start(a + 1) - 1))
+               row(findloc(row, 0, dim=1)) = b
+            end associate
+         end do
+      end do
+   end subroutine list_leaving_edges
+
+   !> Order that sorts numbers ascending: bottom-up merge sort.
+   pure subroutine sort_by_first(key, order)
+      real(wp), intent(in) :: key(:)
+      integer, intent(out) :: order(:)
+      integer :: merged(size(order)), width, low, middle, high, i, j, k
+
+      do i = 1, size(order)
+         order(i) = i
+      end do
+      width = 1
+      do while (width < size(order))
+         do low = 1, size(order), 2*width
+            middle = min(low + width, size(order) + 1)
+            high = min(low + 2*width, size(order) + 1)
+            i = low
+            j = middle
+            do k = low, high - 1
+               if (takes_left(i, j)) then
+                  merged(k) = order(i)
+                  i = i + 1
+               else
+                  merged(k) = order(j)
+                  j = j + 1
+               end if
+            end do
+         end do
+         order = merged
+         width = 2*width
+      end do
+
+   contains
+
+      !> Does the next number come from the left half?
+      pure function takes_left(i, j) result(answer)
+         integer, intent(in) :: i, j
+         logical :: answer
+
+         answer = i < middle
+         if (answer .and. j < high) answer = key(order(i)) <= key(order(j))
+      end function takes_left
+
+   end subroutine sort_by_first
+
+end module coulter_points_tiling

@@ -1,0 +1,222 @@
+!> Where the corners of tiles sit in the grid of the current step, and what that makes of the grid.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_step_tile_map
+   use coulter_base_kinds, only: wp
+   use coulter_grid, only: grid_type
+   use coulter_grid_cells, only: activate_cells, cells_type, number_nodes
+   use coulter_grid_shape, only: shape_values_2d
+   use coulter_points_tiling, only: corner_gradients, tiling_type
+   implicit none(type, external)
+   private
+   public :: tile_map_type, map_tiles, interpolate, spread_to_nodes
+
+   !> Corner-to-node map of a step, with the geometry of the tiles at its start.
+   type :: tile_map_type
+      !> Nodes of the cell of every corner, shape (4, n_corners).
+      integer, allocatable :: node(:, :)
+      !> Shape functions of these nodes at the corner, shape (4, n_corners).
+      real(wp), allocatable :: shape(:, :)
+      !> Gradients of the corner functions of every tile, per length, shape (2, 4, n_tiles).
+      real(wp), allocatable :: gradient(:, :, :)
+      !> Area of every tile, shape (n_tiles).
+      real(wp), allocatable :: area(:)
+      !> Displacement increments of the corners, length units, shape (2, n_corners).
+      real(wp), allocatable :: increment(:, :)
+      !> Share of every active cell that tiles fill, from nine samples a tile, shape (n_cells).
+      real(wp), allocatable :: fill(:)
+      !> A tile in every active cell, shape (n_cells).
+      integer, allocatable :: tile_in_cell(:)
+      !> Area that every node carries over that of a cell, shape (n_nodes).
+      real(wp), allocatable :: node_area(:)
+   end type tile_map_type
+
+   !> How far corners are moved towards their tiles to find their cell, as a share of the way: this
+   !> decides for corners on grid lines.
+   real(wp), parameter :: nudge = 1.0e-7_wp
+   !> Shape functions smaller than this are round-off of corners on grid lines.
+   real(wp), parameter :: smallest_shape = 1.0e-13_wp
+   !> Samples per direction and tile for the share of cells that is filled.
+   integer, parameter :: n_samples = 3
+
+contains
+
+   !> Locate all tiles; number cells and nodes.
+   pure subroutine map_tiles(map, cells, tiling, grid, first_outside)
+      !> Map to make.
+      type(tile_map_type), intent(out) :: map
+      !> Active cells and nodes to make.
+      type(cells_type), intent(out) :: cells
+      !> Tiles at the start of the step.
+      type(tiling_type), intent(in) :: tiling
+      !> Background grid.
+      type(grid_type), intent(in) :: grid
+      !> First tile with a corner outside the grid, else 0; then nothing is made.
+      integer, intent(out) :: first_outside
+      real(wp), allocatable :: inside(:, :), samples(:, :)
+      integer :: n_tiles
+
+      n_tiles = size(tiling%corner, 2)
+      call move_inside(tiling, inside)
+      call sample_tiles(tiling, samples)
+      call activate_cells(cells, grid, reshape([inside, samples], &
+                                               [2, size(inside, 2) + size(samples, 2)]), &
+                          first_outside)
+      if (first_outside > 0) return
+      call number_nodes(cells)
+      call measure_tiles(map, tiling)
+      call measure_fill(map, cells, grid, samples, n_tiles)
+      call map_corners(map, cells, tiling, grid, inside)
+      call measure_nodes(map, cells, tiling, grid)
+   end subroutine map_tiles
+
+   !> Displacement increments of the corners from those of the nodes.
+   pure subroutine interpolate(map, nodal)
+      !> Map; gets `increment`.
+      type(tile_map_type), intent(inout) :: map
+      !> Increments of the nodes, length units, shape (2, n_nodes).
+      real(wp), intent(in) :: nodal(:, :)
+      integer :: c
+
+      do c = 1, size(map%node, 2)
+         map%increment(:, c) = matmul(nodal(:, map%node(:, c)), map%shape(:, c))
+      end do
+   end subroutine interpolate
+
+   !> Add forces on the corners to those on the nodes, the transpose of `interpolate`.
+   pure subroutine spread_to_nodes(map, at_corners, nodal)
+      !> Map.
+      type(tile_map_type), intent(in) :: map
+      !> Forces on the corners, shape (2, n_corners).
+      real(wp), intent(in) :: at_corners(:, :)
+      !> Forces on the nodes, shape (2, n_nodes).
+      real(wp), intent(inout) :: nodal(:, :)
+      integer :: c, k
+
+      do c = 1, size(map%node, 2)
+         do k = 1, 4
+            nodal(:, map%node(k, c)) = nodal(:, map%node(k, c)) + map%shape(k, c)*at_corners(:, c)
+         end do
+      end do
+   end subroutine spread_to_nodes
+
+   !> Corners, moved a little towards the tiles that they belong to.
+   pure subroutine move_inside(tiling, inside)
+      type(tiling_type), intent(in) :: tiling
+      real(wp), allocatable, intent(out) :: inside(:, :)
+      real(wp) :: centre(2)
+      integer :: owners(tiling%n_corners), p, k
+
+      allocate (inside(2, tiling%n_corners), source=0.0_wp)
+      owners = 0
+      do p = 1, size(tiling%corner, 2)
+         associate (corner => tiling%corner(:, p))
+            centre = 0.25_wp*sum(tiling%position(:, corner), dim=2)
+            do k = 1, 4
+               inside(:, corner(k)) = inside(:, corner(k)) + centre
+               owners(corner(k)) = owners(corner(k)) + 1
+            end do
+         end associate
+      end do
+      do k = 1, tiling%n_corners
+         inside(:, k) = (1.0_wp - nudge)*tiling%position(:, k) &
+            + nudge*inside(:, k)/real(owners(k), wp)
+      end do
+   end subroutine move_inside
+
+   !> Nine samples in every tile, tile by tile.
+   pure subroutine sample_tiles(tiling, samples)
+      type(tiling_type), intent(in) :: tiling
+      real(wp), allocatable, intent(out) :: samples(:, :)
+      real(wp) :: local(2)
+      integer :: p, i, j, n
+
+      allocate (samples(2, n_samples**2*size(tiling%corner, 2)))
+      n = 0
+      do p = 1, size(tiling%corner, 2)
+         do j = 1, n_samples
+            do i = 1, n_samples
+               n = n + 1
+               local = (real([i, j], wp) - 0.5_wp)/real(n_samples, wp)
+               samples(:, n) = matmul(tiling%position(:, tiling%corner(:, p)), &
+                                      shape_values_2d(local))
+            end do
+         end do
+      end do
+   end subroutine sample_tiles
+
+   !> Gradients and areas at the start of the step.
+   pure subroutine measure_tiles(map, tiling)
+      type(tile_map_type), intent(inout) :: map
+      type(tiling_type), intent(in) :: tiling
+      integer :: p
+
+      allocate (map%gradient(2, 4, size(tiling%corner, 2)), map%area(size(tiling%corner, 2)))
+      do p = 1, size(tiling%corner, 2)
+         call corner_gradients(tiling%position(:, tiling%corner(:, p)), map%gradient(:, :, p), &
+                               map%area(p))
+      end do
+   end subroutine measure_tiles
+
+   !> Share of every cell that is filled.
+   pure subroutine measure_fill(map, cells, grid, samples, n_tiles)
+      type(tile_map_type), intent(inout) :: map
+      type(cells_type), intent(in) :: cells
+      type(grid_type), intent(in) :: grid
+      real(wp), intent(in) :: samples(:, :)
+      integer, intent(in) :: n_tiles
+      integer :: p, k, c, n
+
+      allocate (map%fill(cells%n_cells), source=0.0_wp)
+      allocate (map%tile_in_cell(cells%n_cells), source=0)
+      n = 0
+      do p = 1, n_tiles
+         do k = 1, n_samples**2
+            n = n + 1
+            c = cells%number_at(grid%cell_of(samples(:, n)))
+            map%fill(c) = map%fill(c) + map%area(p)/real(n_samples**2, wp)
+            map%tile_in_cell(c) = p
+         end do
+      end do
+      map%fill = map%fill/grid%cell_volume()
+   end subroutine measure_fill
+
+   !> Nodes and shape functions of all corners.
+   pure subroutine map_corners(map, cells, tiling, grid, inside)
+      type(tile_map_type), intent(inout) :: map
+      type(cells_type), intent(in) :: cells
+      type(tiling_type), intent(in) :: tiling
+      type(grid_type), intent(in) :: grid
+      real(wp), intent(in) :: inside(:, :)
+      integer :: k, c
+
+      allocate (map%node(4, tiling%n_corners), map%shape(4, tiling%n_corners))
+      allocate (map%increment(2, tiling%n_corners), source=0.0_wp)
+      do k = 1, tiling%n_corners
+         c = cells%number_at(grid%cell_of(inside(:, k)))
+         map%node(:, k) = cells%node(:, c)
+         map%shape(:, k) = shape_values_2d(cells%local_position(grid, c, tiling%position(:, k)))
+         where (abs(map%shape(:, k)) < smallest_shape) map%shape(:, k) = 0.0_wp
+      end do
+   end subroutine map_corners
+
+   !> Area that hangs on every node.
+   pure subroutine measure_nodes(map, cells, tiling, grid)
+      type(tile_map_type), intent(inout) :: map
+      type(cells_type), intent(in) :: cells
+      type(tiling_type), intent(in) :: tiling
+      type(grid_type), intent(in) :: grid
+      integer :: p, k
+
+      allocate (map%node_area(cells%n_nodes), source=0.0_wp)
+      do p = 1, size(tiling%corner, 2)
+         do k = 1, 4
+            associate (corner => tiling%corner(k, p))
+               map%node_area(map%node(:, corner)) = map%node_area(map%node(:, corner)) &
+                  + 0.25_wp*map%area(p)*map%shape(:, corner)
+            end associate
+         end do
+      end do
+      map%node_area = map%node_area/grid%cell_volume()
+   end subroutine measure_nodes
+
+end module coulter_step_tile_map

@@ -1,0 +1,186 @@
+!> Setting up the system of a step for bodies whose domains tile them.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_step_tile_setup
+   use coulter_algebra_sparse, only: add_element_matrix, element_dofs_type
+   use coulter_base_kinds, only: wp
+   use coulter_boundary_contact, only: build_contacts, find_held_edges
+   use coulter_model, only: boundary_motion, model_type
+   use coulter_model_control, only: small_cells_aggregate
+   use coulter_points_tiling, only: corner_weights
+   use coulter_step_dofs, only: number_dofs
+   use coulter_step_ghost, only: find_ghost_faces, ghost_matrix, ghost_type
+   use coulter_step_system, only: make_room, renew_pattern, system_type
+   use coulter_step_tile_map, only: map_tiles, spread_to_nodes
+   use coulter_step_unknowns, only: coupling_type, couple_vertices, new_coupling
+   implicit none(type, external)
+   private
+   public :: find_tile_participants, number_tile_system
+
+contains
+
+   !> Find who takes part in a step: cells, nodes, contacts, stabilised faces.
+   subroutine find_tile_participants(system, model, first_outside)
+      !> System of the step.
+      type(system_type), intent(inout) :: system
+      !> Scene at the start of the step.
+      type(model_type), intent(in) :: model
+      !> First tile with a corner outside the grid, else 0.
+      integer, intent(out) :: first_outside
+      real(wp) :: motion(2, size(model%boundaries))
+      integer :: b
+
+      call map_tiles(system%map, system%cells, model%tiling, model%grid, first_outside)
+      if (first_outside > 0) return
+      if (.not. allocated(system%held_edges)) then
+         call find_held_edges(system%held_edges, model%boundaries, model%tiling, &
+                              model%grid%smallest_spacing())
+      end if
+      do b = 1, size(model%boundaries)
+         motion(:, b) = boundary_motion(model, b, system%start_time, system%end_time)
+      end do
+      call build_contacts(system%contacts, model%boundaries, motion, model%tiling, &
+                          system%held_edges, model%grid%smallest_spacing())
+      call find_stabilised_faces(system, model)
+   end subroutine find_tile_participants
+
+   !> Number the unknowns; make pattern, scatter map and symbolic factorisation unless those of the
+   !> last step still hold.
+   subroutine number_tile_system(system, model, has_failed)
+      !> System of the step.
+      type(system_type), intent(inout) :: system
+      !> Scene.
+      type(model_type), intent(in) :: model
+      !> Could the pattern not be analysed?
+      logical, intent(out) :: has_failed
+      logical :: is_core(system%cells%n_nodes), may_lead(system%cells%n_cells)
+      type(coupling_type) :: faces
+      integer :: c
+
+      is_core = .true.
+      if (model%control%small_cells == small_cells_aggregate) then
+         is_core = system%map%node_area >= model%control%fill_tolerance
+      end if
+      do c = 1, system%cells%n_cells
+         may_lead(c) = all(is_core(system%cells%node(:, c)))
+      end do
+      call number_dofs(system%dofs, model%grid, system%cells, is_core, may_lead, &
+                       system%map%fill, model%fixities)
+      call couple_tiles(system, model)
+      call couple_faces(faces, system)
+      call gather_mass(system, model)
+      call make_room(system, size(model%boundaries))
+      call renew_pattern(system, joined(system%coupling%elements, faces%elements), has_failed)
+      if (.not. has_failed) call set_ghost_values(system, faces)
+   end subroutine number_tile_system
+
+   !> Faces that need a ghost penalty, with the shear modulus of the material beside them.
+   subroutine find_stabilised_faces(system, model)
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+      real(wp) :: lame_lambda, shear_modulus
+      integer :: f, tile
+
+      system%ghost = ghost_type()
+      if (model%control%ghost_ratio > 0.0_wp) then
+         call find_ghost_faces(system%ghost, system%cells, system%map%fill)
+      end if
+      if (allocated(system%ghost_stiffness)) deallocate (system%ghost_stiffness)
+      allocate (system%ghost_stiffness(system%ghost%n_faces))
+      do f = 1, system%ghost%n_faces
+         tile = max(system%map%tile_in_cell(system%ghost%cell(f)), 1)
+         call model%laws(model%bodies(model%points%body(tile))%law)%law &
+            %elastic_moduli(lame_lambda, shear_modulus)
+         system%ghost_stiffness(f) = 2.0_wp*model%control%ghost_ratio*shear_modulus
+      end do
+   end subroutine find_stabilised_faces
+
+   !> Unknowns of all tiles.
+   subroutine couple_tiles(system, model)
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+      integer :: p
+
+      call new_coupling(system%coupling, model%points%n_points, 4)
+      do p = 1, model%points%n_points
+         associate (corner => model%tiling%corner(:, p))
+            call couple_vertices(system%coupling, system%dofs, system%map%node(:, corner), &
+                                 system%map%shape(:, corner))
+         end associate
+      end do
+   end subroutine couple_tiles
+
+   !> Unknowns of all stabilised faces: six nodes each.
+   subroutine couple_faces(faces, system)
+      type(coupling_type), intent(out) :: faces
+      type(system_type), intent(in) :: system
+      integer :: f, node(1, 6)
+      real(wp), parameter :: one(1, 6) = 1.0_wp
+
+      call new_coupling(faces, system%ghost%n_faces, 6)
+      do f = 1, system%ghost%n_faces
+         node = reshape(system%ghost%node(:, :, f), [1, 6])
+         call couple_vertices(faces, system%dofs, node, one)
+      end do
+   end subroutine couple_faces
+
+   !> Elements of two lists in one.
+   pure function joined(first, second) result(both)
+      type(element_dofs_type), intent(in) :: first, second
+      type(element_dofs_type) :: both
+      integer :: n
+
+      n = first%start(first%n_elements + 1) - 1
+      both%n_elements = first%n_elements + second%n_elements
+      both%start = [first%start(:first%n_elements), second%start(:second%n_elements + 1) + n]
+      both%dof = [first%dof(:n), second%dof(:second%start(second%n_elements + 1) - 1)]
+   end function joined
+
+   !> What the stabilised faces add to the tangent: constant during the step.
+   subroutine set_ghost_values(system, faces)
+      type(system_type), intent(inout) :: system
+      type(coupling_type), intent(in) :: faces
+      real(wp), allocatable :: matrix(:, :)
+      integer :: f, first, last, middle
+
+      if (allocated(system%ghost_values)) deallocate (system%ghost_values)
+      allocate (system%ghost_values(system%pattern%n_entries), source=0.0_wp)
+      do f = 1, system%ghost%n_faces
+         first = faces%elements%start(f)
+         last = faces%elements%start(f + 1) - 1
+         middle = first + faces%n_x(f)
+         matrix = system%ghost_stiffness(f)*matmul(transpose(faces%share(:, first:last)), &
+                                                   matmul(ghost_matrix(), &
+                                                          faces%share(:, first:last)))
+         ! components do not mix
+         matrix(:middle - first, middle - first + 1:) = 0.0_wp
+         matrix(middle - first + 1:, :middle - first) = 0.0_wp
+         call add_element_matrix(system%pattern, system%coupling%elements%n_elements + f, &
+                                 reshape(matrix, [size(matrix)]), system%ghost_values)
+      end do
+   end subroutine set_ghost_values
+
+   !> Share out the mass of the tiles to the nodes; only when there is a body force.
+   subroutine gather_mass(system, model)
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+      real(wp) :: at_corners(2, model%tiling%n_corners), nodal(2, system%cells%n_nodes), mass
+      integer :: p, v
+
+      if (allocated(system%nodal_mass)) deallocate (system%nodal_mass)
+      if (.not. any(abs(model%body_force%acceleration) > 0.0_wp)) return
+      at_corners = 0.0_wp
+      do p = 1, model%points%n_points
+         mass = model%bodies(model%points%body(p))%density*model%points%reference_volume(p)
+         associate (corner => model%tiling%corner(:, p), &
+                    weight => corner_weights(model%tiling%position(:, model%tiling%corner(:, p))))
+            do v = 1, 4
+               at_corners(1, corner(v)) = at_corners(1, corner(v)) + mass*weight(v)
+            end do
+         end associate
+      end do
+      nodal = 0.0_wp
+      call spread_to_nodes(system%map, at_corners, nodal)
+      system%nodal_mass = nodal(1, :)
+   end subroutine gather_mass
+
+end module coulter_step_tile_setup
