@@ -121,7 +121,6 @@ contains
       !> Number of its kind among the choices of the deck; 0 if at fault.
       integer, intent(out) :: kind
       integer, parameter :: kinds(0:3) = [kind_roller, kind_roller, kind_fixed, kind_fixed]
-      integer :: choice
 
       boundary%name = ""
       call get_value(deck, group, "name", boundary%name)

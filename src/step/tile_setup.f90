@@ -139,25 +139,37 @@ contains
    subroutine set_ghost_values(system, faces)
       type(system_type), intent(inout) :: system
       type(coupling_type), intent(in) :: faces
-      real(wp), allocatable :: matrix(:, :)
-      integer :: f, first, last, middle
+      integer :: f, first, n
 
       if (allocated(system%ghost_values)) deallocate (system%ghost_values)
       allocate (system%ghost_values(system%pattern%n_entries), source=0.0_wp)
       do f = 1, system%ghost%n_faces
          first = faces%elements%start(f)
-         last = faces%elements%start(f + 1) - 1
-         middle = first + faces%n_x(f)
-         matrix = system%ghost_stiffness(f)*matmul(transpose(faces%share(:, first:last)), &
-                                                   matmul(ghost_matrix(), &
-                                                          faces%share(:, first:last)))
-         ! components do not mix
-         matrix(:middle - first, middle - first + 1:) = 0.0_wp
-         matrix(middle - first + 1:, :middle - first) = 0.0_wp
+         n = faces%elements%start(f + 1) - first
          call add_element_matrix(system%pattern, system%coupling%elements%n_elements + f, &
-                                 reshape(matrix, [size(matrix)]), system%ghost_values)
+                                 system%ghost_stiffness(f)*face_matrix( &
+                                 n, faces%n_x(f), faces%share(:, first:first + n - 1)), &
+                                 system%ghost_values)
       end do
    end subroutine set_ghost_values
+
+   !> Matrix of a face in terms of its unknowns, columns first; components do not mix.
+   pure function face_matrix(n, n_x, share) result(matrix)
+      integer, intent(in) :: n, n_x
+      real(wp), intent(in) :: share(6, n)
+      real(wp) :: matrix(n*n)
+      real(wp) :: half(6)
+      integer :: i, j
+
+      matrix = 0.0_wp
+      do j = 1, n
+         half = matmul(ghost_matrix(), share(:, j))
+         do i = 1, n
+            if (i <= n_x .neqv. j <= n_x) cycle
+            matrix(i + (j - 1)*n) = dot_product(share(:, i), half)
+         end do
+      end do
+   end function face_matrix
 
    !> Share out the mass of the tiles to the nodes; only when there is a body force.
    subroutine gather_mass(system, model)
