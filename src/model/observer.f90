@@ -64,7 +64,7 @@ module coulter_model_observer
       real(wp), allocatable :: penetrations(:)
       !> Length of every boundary that acts on material, length units, shape (n_boundaries).
       real(wp), allocatable :: loaded_lengths(:)
-      !> Total body force on the material, force per thickness, shape (2).
+      !> Total external force on the material: body force and edge loads, force per thickness.
       real(wp) :: body_force(2) = 0.0_wp
       !> Cells, nodes and unknowns in this step.
       integer :: n_cells = 0, n_nodes = 0, n_dofs = 0

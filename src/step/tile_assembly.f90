@@ -1,7 +1,6 @@
 !> Forces and tangent of bodies whose domains tile them, and of the contacts on their outer edges.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_tile_assembly
-   use coulter_algebra_sparse, only: add_element_matrix
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: boundary_type
    use coulter_boundary_contact, only: contact_type
@@ -12,7 +11,7 @@ module coulter_step_tile_assembly
    use coulter_step_point_kernel, only: add_force, add_stiffness, point_response_type, respond
    use coulter_step_system, only: system_type
    use coulter_step_tile_map, only: interpolate, spread_to_nodes
-   use coulter_step_unknowns, only: condense, max_unknowns
+   use coulter_step_tile_scatter, only: add_at_corners, scatter_tile
    implicit none(type, external)
    private
    public :: add_tiles
@@ -76,7 +75,7 @@ contains
                                + system%map%increment(:, corner), force, stiffness)
             call add_at_corners(corner, force, at_corners)
          end associate
-         call scatter(system, p, stiffness)
+         call scatter_tile(system, p, stiffness)
       end do
       failed_tile = 0
    end subroutine add_interiors
@@ -156,7 +155,7 @@ contains
             if (system%contacts%item(k + 1)%tile == tile) cycle
          end if
          call add_at_corners(model%tiling%corner(:, tile), force, at_corners)
-         call scatter(system, tile, stiffness)
+         call scatter_tile(system, tile, stiffness)
       end do
    end subroutine add_contacts
 
@@ -240,30 +239,5 @@ contains
       end do
       by_vertices = matmul(slope, response%gradient)
    end subroutine nominal_traction
-
-   !> Add the forces of a tile to those of its corners; a triangle has one corner twice.
-   pure subroutine add_at_corners(corner, force, at_corners)
-      integer, intent(in) :: corner(4)
-      real(wp), intent(in) :: force(2, 4)
-      real(wp), intent(inout) :: at_corners(:, :)
-      integer :: v
-
-      do v = 1, 4
-         at_corners(:, corner(v)) = at_corners(:, corner(v)) + force(:, v)
-      end do
-   end subroutine add_at_corners
-
-   !> Add the matrix of a tile to the tangent.
-   subroutine scatter(system, tile, stiffness)
-      type(system_type), intent(inout) :: system
-      integer, intent(in) :: tile
-      real(wp), intent(in) :: stiffness(2, 4, 2, 4)
-      real(wp) :: condensed(4*max_unknowns**2)
-      integer :: m
-
-      m = system%coupling%elements%start(tile + 1) - system%coupling%elements%start(tile)
-      call condense(system%coupling, tile, stiffness, m, condensed)
-      call add_element_matrix(system%pattern, tile, condensed(:m*m), system%values)
-   end subroutine scatter
 
 end module coulter_step_tile_assembly

@@ -4,6 +4,7 @@ module coulter_step_tile_setup
    use coulter_algebra_sparse, only: add_element_matrix, element_dofs_type
    use coulter_base_kinds, only: wp
    use coulter_boundary_contact, only: build_contacts, find_held_edges
+   use coulter_boundary_edge_load, only: find_loaded_edges
    use coulter_model, only: boundary_motion, model_type
    use coulter_model_control, only: small_cells_aggregate
    use coulter_points_tiling, only: corner_weights
@@ -34,6 +35,8 @@ contains
       if (.not. allocated(system%held_edges)) then
          call find_held_edges(system%held_edges, model%boundaries, model%tiling, &
                               model%grid%smallest_spacing())
+         call find_loaded_edges(system%loaded_edges, model%edge_loads, model%tiling, &
+                                model%grid%smallest_spacing())
       end if
       do b = 1, size(model%boundaries)
          motion(:, b) = boundary_motion(model, b, system%start_time, system%end_time)
