@@ -131,7 +131,7 @@ contains
       type(point_response_type) :: response
       real(wp) :: force(2, 4), stiffness(2, 4, 2, 4), reaction(2)
       integer :: k, tile
-      logical :: has_failed
+      logical :: has_failed, is_acting
 
       tile = 0
       do k = 1, system%contacts%n
@@ -144,11 +144,12 @@ contains
                   call respond_tile(system, model, law, tile, response, has_failed)
                end associate
             end if
-            call add_contact(system, model, contact, response, force, stiffness, reaction)
+            call add_contact(system, model, contact, response, force, stiffness, reaction, &
+                             is_acting)
             associate (total => system%boundary_reaction(:, contact%boundary), &
                        length => system%loaded_length(contact%boundary))
                total = total + reaction
-               if (any(abs(reaction) > 0.0_wp)) length = length + contact%weight
+               if (is_acting) length = length + contact%weight
             end associate
          end associate
          if (k < system%contacts%n) then
@@ -159,14 +160,16 @@ contains
       end do
    end subroutine add_contacts
 
-   !> One station: traction s + k g along the normal, and for fixed kinds along the tangent.
-   subroutine add_contact(system, model, contact, response, force, stiffness, reaction)
+   !> One station, if it acts: traction s + k g along the normal, and for fixed kinds along the
+   !> tangent.
+   subroutine add_contact(system, model, contact, response, force, stiffness, reaction, is_acting)
       type(system_type), intent(in) :: system
       type(model_type), intent(in) :: model
       type(contact_type), intent(in) :: contact
       type(point_response_type), intent(in) :: response
       real(wp), intent(inout) :: force(2, 4), stiffness(2, 4, 2, 4)
       real(wp), intent(out) :: reaction(2)
+      logical, intent(out) :: is_acting
       real(wp) :: traction, by_vertices(2, 4), penalty, share, moved(2), lame_lambda, shear_modulus
 
       reaction = 0.0_wp
@@ -178,8 +181,9 @@ contains
          /(model%boundaries(contact%boundary)%band_ratio*model%grid%smallest_spacing())
       call nominal_traction(response, share, contact%normal, contact%normal, traction, by_vertices)
       traction = traction + penalty*(contact%gap + dot_product(contact%normal, moved))
-      if (.not. acts(contact, traction/penalty, dot_product(contact%tangent, moved), &
-                     model%grid%smallest_spacing())) return
+      is_acting = acts(contact, traction/penalty, dot_product(contact%tangent, moved), &
+                       model%grid%smallest_spacing())
+      if (.not. is_acting) return
       call push(contact%normal, penalty)
       if (.not. contact%is_fixed) return
       penalty = penalty*shear_modulus/(lame_lambda + 2.0_wp*shear_modulus)
