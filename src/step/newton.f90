@@ -29,8 +29,8 @@ module coulter_step_newton
    !> Corrections beyond this many times the edges of the grid betray a singular tangent whose
    !> pivots round-off has kept from vanishing.
    real(wp), parameter :: largest_motion = 1.0e3_wp
-   !> Corrections within this share of the largest coordinate of the grid are round-off of positions:
-   !> a body at rest on walls would feel their gaps for ever.
+   !> Corrections within this share of the largest coordinate of the grid are round-off of
+   !> positions: a body at rest on walls would feel their gaps for ever.
    real(wp), parameter :: round_off = 16.0_wp*epsilon(1.0_wp)
    !> Evaluations that a line search may take, and the fall of |G| that is enough.
    integer, parameter :: most_searches = 6
