@@ -5,7 +5,8 @@ module coulter_boundary
    implicit none(type, external)
    private
    public :: boundary_type, kind_roller, kind_fixed
-   public :: formulation_implicit, formulation_nitsche, nitsche_band_ratio
+   public :: formulation_implicit, formulation_nitsche, formulation_augmented
+   public :: nitsche_band_ratio, augmented_band_ratio
 
    !> Only the displacement along the normal is prescribed.
    integer, parameter :: kind_roller = 1
@@ -17,6 +18,10 @@ module coulter_boundary
    !> Stations on the corners of tiles, with the traction of the material (Nitsche).
    integer, parameter :: formulation_nitsche = 2
 
+   !> Stations on the corners of tiles, with augmented Lagrangian updates of a symmetric penalty.
+   integer, parameter :: formulation_augmented = 3
+   !> Penalty band over the spacing that suits augmented Lagrangian updates.
+   real(wp), parameter :: augmented_band_ratio = 0.02_wp
    !> Penalty band over the spacing that suits Nitsche's method: any is exact in a patch test, this
    !> one is stiff enough against penetration and soft enough for the linear algebra.
    real(wp), parameter :: nitsche_band_ratio = 0.1_wp

@@ -40,6 +40,8 @@ module coulter_model_control
       !> Largest accepted Newton correction over the largest displacement increment of the step;
       !> passing this test alone is enough.
       real(wp) :: increment_tolerance = 1.0e-11_wp
+      !> Augmented Lagrangian updates in a step, for boundaries that use them.
+      integer :: n_augmentations = 1
       !> Newton iterations before a step counts as failed.
       integer :: max_iterations = 25
       !> How often a failed step may be halved.
