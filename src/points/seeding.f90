@@ -17,7 +17,7 @@ module coulter_points_seeding
    !> and their position would be round-off.
    real(wp), parameter :: smallest_share = 1.0e-10_wp
 
-   !> Corners of tiles nearer than this share of a sub-cell are one.
+   !> Corners nearer than this are one: over a sub-cell within a domain, over a cell between tiles.
    real(wp), parameter :: corner_tolerance = 1.0e-7_wp
 
    !> Points found so far, in arrays that grow. Corners are kept only when domains shall tile.
