@@ -57,15 +57,12 @@ contains
       logical, intent(out) :: has_failed
       logical :: is_core(system%cells%n_nodes), may_lead(system%cells%n_cells)
       type(coupling_type) :: faces
-      integer :: c
 
-      is_core = .true.
-      if (model%control%small_cells == small_cells_aggregate) then
-         is_core = system%map%node_area >= model%control%fill_tolerance
-      end if
-      do c = 1, system%cells%n_cells
-         may_lead(c) = all(is_core(system%cells%node(:, c)))
-      end do
+      is_core = system%map%node_area >= model%control%fill_tolerance &
+         .or. model%control%small_cells /= small_cells_aggregate
+      may_lead = all_are_core(system, is_core)
+      ! a body smaller than a cell has nothing to follow
+      is_core = is_core .or. .not. any(may_lead)
       call number_dofs(system%dofs, model%grid, system%cells, is_core, may_lead, &
                        system%map%fill, model%fixities)
       call couple_tiles(system, model)
@@ -75,6 +72,18 @@ contains
       call renew_pattern(system, joined(system%coupling%elements, faces%elements), has_failed)
       if (.not. has_failed) call set_ghost_values(system, faces)
    end subroutine number_tile_system
+
+   !> Are all nodes of a cell unknowns of their own?
+   pure function all_are_core(system, is_core) result(answer)
+      type(system_type), intent(in) :: system
+      logical, intent(in) :: is_core(:)
+      logical :: answer(system%cells%n_cells)
+      integer :: c
+
+      do c = 1, system%cells%n_cells
+         answer(c) = all(is_core(system%cells%node(:, c)))
+      end do
+   end function all_are_core
 
    !> Faces that need a ghost penalty, with the shear modulus of the material beside them.
    subroutine find_stabilised_faces(system, model)
