@@ -27,7 +27,7 @@ module coulter_boundary
    real(wp), parameter :: nitsche_band_ratio = 0.1_wp
 
    !> A chain of straight segments with the material on the left of each, at which the
-   !> displacement is prescribed by the Implicit Boundary Method (theory, section 3).
+   !> displacement is prescribed (theory, sections 3 and 4).
    type :: boundary_type
       !> Name under which reactions are reported.
       character(len=:), allocatable :: name

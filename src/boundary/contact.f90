@@ -63,7 +63,7 @@ module coulter_boundary_contact
    real(wp), parameter :: touching = 1.0e-6_wp
    !> Faces this far away may be met within a step, over the spacing.
    real(wp), parameter :: reach = 4.0_wp
-   !> Corners deeper behind a face than this belong to something else, over the spacing.
+   !> Edges deeper behind a face than this and the reach belong to something else, over the spacing.
    real(wp), parameter :: deepest = 1.0_wp
 
 contains

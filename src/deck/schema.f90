@@ -181,7 +181,7 @@ module coulter_deck_schema
       variable_rule_type("control", "domains", "choice", 1, 1, "", "'cpdi2'", "cpdi2 mpm", &
          "points own polygons that tile the body, or are mere quadrature points"), &
       variable_rule_type("control", "hourglass", "real", 1, 1, "", "0.5", ">= 0 <= 1", &
-         "cpdi2: stiffness against hourglass modes of tiles, 1 for that of full integration"), &
+         "cpdi2: stiffness against hourglass modes of tiles, 1 is exact for squares in bending"), &
       variable_rule_type("control", "ghost_penalty", "real", 1, 1, "", "1.0e-3", ">= 0 <= 0.1", &
          "cpdi2: stabilisation near the outline over the shear modulus"), &
       variable_rule_type("control", "solver", "choice", 1, 1, "", "'auto'", "auto umfpack", &

@@ -29,7 +29,7 @@ module coulter_model_control
    type :: control_type
       !> What a point stands for: one of `domains_*`.
       integer :: domains = domains_points
-      !> Hourglass stiffness of tiles over that of an exactly integrated quadrilateral.
+      !> Hourglass stiffness of tiles over the one that is exact for a square in bending.
       real(wp) :: hourglass_ratio = 0.5_wp
       !> Ghost penalty over the shear modulus, on cell faces near the outline of tiled bodies.
       real(wp) :: ghost_ratio = 1.0e-3_wp
