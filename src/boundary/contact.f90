@@ -32,6 +32,9 @@ module coulter_boundary_contact
       real(wp) :: slide = 0.0_wp
       !> Distance of the corner from the first end of the moved segment, and length of that.
       real(wp) :: distance = 0.0_wp, length = 0.0_wp
+      !> Corner at the other end of the edge, and its distance from the first end of the segment.
+      integer :: other_corner = 0
+      real(wp) :: other_distance = 0.0_wp
       !> Is the corner held in both directions and also against being pulled off?
       logical :: is_bilateral = .false., is_fixed = .false.
    end type contact_type
@@ -181,6 +184,8 @@ contains
          contact%gap = gap(k)
          contact%distance = distance(k)
          contact%slide = distance(k) - held%distance(k)
+         contact%other_corner = tiling%outer_edge(3 - k, e)
+         contact%other_distance = distance(3 - k)
          call append(contacts, contact)
       end do
    end subroutine meet

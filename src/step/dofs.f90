@@ -33,7 +33,7 @@ module coulter_step_dofs
    end type dofs_type
 
    !> Cells farther away than this many others belong to something else and do not lead.
-   integer, parameter :: farthest_ring = 3
+   integer, parameter :: farthest_ring = 4
 
 contains
 

@@ -169,7 +169,8 @@ contains
       type(point_response_type), intent(in) :: response
       real(wp), intent(inout) :: force(2, 4), stiffness(2, 4, 2, 4)
       real(wp), intent(out) :: reaction(2)
-      real(wp) :: traction, by_vertices(2, 4), penalty, share, moved(2), lame_lambda, shear_modulus
+      real(wp) :: traction, by_vertices(2, 4), penalty, share, moved(2), other_moved(2)
+      real(wp) :: lame_lambda, shear_modulus
 
       reaction = 0.0_wp
       moved = system%map%increment(:, contact%corner)
@@ -180,7 +181,9 @@ contains
          /(model%boundaries(contact%boundary)%band_ratio*model%grid%smallest_spacing())
       call nominal_traction(response, share, contact%normal, contact%normal, traction, by_vertices)
       traction = traction + penalty*(contact%gap + dot_product(contact%normal, moved))
+      other_moved = system%map%increment(:, contact%other_corner)
       if (.not. acts(contact, traction/penalty, dot_product(contact%tangent, moved), &
+                     dot_product(contact%tangent, other_moved), &
                      model%grid%smallest_spacing())) return
       call push(contact%normal, penalty)
       if (.not. contact%is_fixed) return
@@ -210,16 +213,26 @@ contains
    end subroutine add_contact
 
    !> Does the face act on the corner: held for good, or pressed while it slides along the face?
-   pure function acts(contact, overlap, slide, spacing) result(answer)
+   !> Where a face ends, only edges act that run along it: those beyond belong to the next face, and
+   !> the corner between them must not be pushed twice.
+   pure function acts(contact, overlap, slide, other_slide, spacing) result(answer)
       type(contact_type), intent(in) :: contact
-      real(wp), intent(in) :: overlap, slide, spacing
+      !> Traction over the penalty, and how far both ends of the edge move along the face, length
+      !> units.
+      real(wp), intent(in) :: overlap, slide, other_slide
+      !> Grid spacing.
+      real(wp), intent(in) :: spacing
       logical :: answer
-      real(wp) :: distance
+      real(wp) :: distance, onward, slack
 
+      answer = contact%is_bilateral
+      if (answer .or. .not. overlap < touching*spacing) return
+      slack = end_slack*spacing
       distance = contact%distance + slide
-      answer = contact%is_bilateral .or. (overlap < touching*spacing &
-                                          .and. distance >= -end_slack*spacing &
-                                          .and. distance <= contact%length + end_slack*spacing)
+      onward = contact%other_distance + other_slide - distance
+      answer = distance >= -slack .and. distance <= contact%length + slack
+      if (distance < slack) answer = answer .and. onward > 0.0_wp
+      if (distance > contact%length - slack) answer = answer .and. onward < 0.0_wp
    end function acts
 
    !> Component of the nominal traction P N, P = tau dF^-T V0/A, and its derivative by the vertices
