@@ -120,11 +120,12 @@ def control_group(domains=None, hourglass=None, ghost=None, small_cells=None, ha
 def patch(angle=15.0, h=0.125, stretch=0.9, steps=1, ppc=None, nu=0.3, modulus=1000.0,
           shift=(0.0137, 0.0231), size=1.0, length=1.0, far=(0.0, 0.0), band=None, domains=None,
           hourglass=None, ghost=None, small_cells=None, formulation=None, width=None,
-          bilateral=None, bound=None) -> Scene:
+          bilateral=None, joint=None, bound=None) -> Scene:
     """A block turned by `angle`, compressed along its own axis between frictionless plates.
 
     `shift` moves it against the grid, over h; `width` and `size` are its sides; all lengths are
-    times `length`; `far` moves block and grid from the origin.
+    times `length`; `far` moves block and grid from the origin; at `joint`, a share of the width, the
+    base is made of two segments.
     """
     width = size if width is None else width
     matrix, far = turn(angle), np.asarray(far, float) * length
@@ -139,7 +140,8 @@ def patch(angle=15.0, h=0.125, stretch=0.9, steps=1, ppc=None, nu=0.3, modulus=1
         grid_around(corners, h * length, origin=far),
         *body_groups(corners, modulus, nu, ppc=ppc),
         group("boundary", name="base", kind="roller", **common,
-              vertices=place([[0, 0], [width + slack, 0]])),
+              vertices=place([[0, 0], *([[joint * width, 0]] if joint else []),
+                              [width + slack, 0]])),
         group("boundary", name="side", kind="roller", **common,
               vertices=place([[0, size], [0, 0]])),
         group("boundary", name="top", kind="roller", **common, displacement=push,

@@ -90,7 +90,9 @@ for _word, _domains in BOTH:
     SWEEPS += [Case(f"free to slide, {_word}", "block on smooth floor",
                     sliding(domains=_domains.get("domains")))]
 
-SWEEPS += sweep("two walls", corner, "opening", [5, 10, 20, 45, 60, 90, 120, 150, 170, 175])
+SWEEPS += sweep("wall of two segments", patch, "joint", [1e-9, 0.125, 0.3, 0.5, 1.0], angle=0.0,
+                shift=(0.0, 0.0))
+SWEEPS += sweep("two walls", corner, "opening", [5, 10, 20, 45, 60, 89, 90, 91, 120, 150, 170, 175, 179])
 SWEEPS += sweep("two walls, h = 1", corner, "opening", [5, 20, 90, 150, 175], h=1.0)
 SWEEPS += sweep("two walls, aligned", corner, "opening", [10, 45, 90, 135, 175], bisector=0.0,
                 shift=(0.0, 0.0))

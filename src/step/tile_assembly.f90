@@ -213,8 +213,8 @@ contains
    end subroutine add_contact
 
    !> Does the face act on the corner: held for good, or pressed while it slides along the face?
-   !> Where a face ends, only edges act that run along it: those beyond belong to the next face, and
-   !> the corner between them must not be pushed twice.
+   !> Where a face ends, it acts on edges whose middle it reaches: those beyond belong to the next
+   !> face, and the corner between them must not be pushed twice.
    pure function acts(contact, overlap, slide, other_slide, spacing) result(answer)
       type(contact_type), intent(in) :: contact
       !> Traction over the penalty, and how far both ends of the edge move along the face, length
@@ -223,16 +223,16 @@ contains
       !> Grid spacing.
       real(wp), intent(in) :: spacing
       logical :: answer
-      real(wp) :: distance, onward, slack
+      real(wp) :: distance, middle, slack
 
       answer = contact%is_bilateral
       if (answer .or. .not. overlap < touching*spacing) return
       slack = end_slack*spacing
       distance = contact%distance + slide
-      onward = contact%other_distance + other_slide - distance
+      middle = 0.5_wp*(distance + contact%other_distance + other_slide)
       answer = distance >= -slack .and. distance <= contact%length + slack
-      if (distance < slack) answer = answer .and. onward > 0.0_wp
-      if (distance > contact%length - slack) answer = answer .and. onward < 0.0_wp
+      if (distance < slack) answer = answer .and. middle > 0.0_wp
+      if (distance > contact%length - slack) answer = answer .and. middle < contact%length
    end function acts
 
    !> Component of the nominal traction P N, P = tau dF^-T V0/A, and its derivative by the vertices
