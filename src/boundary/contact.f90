@@ -39,6 +39,9 @@ module coulter_boundary_contact
       !> Traction (normal, tangential) that earlier rounds and steps left, for augmented
       !> formulations, and that of the current iteration, stress units.
       real(wp) :: memory(2) = 0.0_wp, traction(2) = 0.0_wp
+      !> Corner at the other end of the edge, and its distance from the first end of the segment.
+      integer :: other_corner = 0
+      real(wp) :: other_distance = 0.0_wp
       !> Is the corner held in both directions and also against being pulled off?
       logical :: is_bilateral = .false., is_fixed = .false.
    end type contact_type
@@ -211,6 +214,8 @@ contains
          contact%slide = distance(k) - held%distance(k)
          contact%edge = e
          contact%end_of_edge = k
+         contact%other_corner = tiling%outer_edge(3 - k, e)
+         contact%other_distance = distance(3 - k)
          call append(contacts, contact)
       end do
    end subroutine meet

@@ -77,7 +77,7 @@ module coulter_deck_schema
       variable_rule_type("scene", "force_unit", "text", 1, 1, "", "(none)", "", &
          "label of forces, such as 'N'"), &
       variable_rule_type("grid", "origin", "real", 2, 2, "length", required, "", &
-         "lower left corner of the grid"), &
+         "lower left corner of the grid, within 1.0e7 cells of (0, 0)"), &
       variable_rule_type("grid", "spacing", "real", 1, 2, "length", required, "> 0", &
          "edge of a cell: one value for both directions, or one each"), &
       variable_rule_type("grid", "cells", "integer", 2, 2, "", required, ">= 1 <= 1000000", &

@@ -127,7 +127,9 @@ contains
       real(wp) :: gradient(2, 4), area
 
       call corner_gradients(corner, gradient, area)
-      gamma = 0.25_wp*(pattern - matmul(matmul(corner, pattern), gradient))
+      ! relative to the first corner, so that far from the origin no digits are lost
+      gamma = 0.25_wp*(pattern &
+                       - matmul(matmul(corner - spread(corner(:, 1), 2, 4), pattern), gradient))
    end function hourglass_vector
 
    !> Number the distinct corners in the order of their x coordinate.

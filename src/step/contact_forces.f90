@@ -84,7 +84,8 @@ contains
          slide = dot_product(contact%tangent, moved)
          call find_traction(contact%normal, contact%gap + dot_product(contact%normal, moved), 1)
       end associate
-      is_acting = acts(contact, contact%traction(1)/penalty(1), slide, &
+      is_acting = acts(contact, contact%traction(1)/penalty(1), slide, dot_product( &
+                       contact%tangent, system%map%increment(:, contact%other_corner)), &
                        model%grid%smallest_spacing())
       if (.not. is_acting) then
          contact%traction = 0.0_wp
@@ -169,16 +170,26 @@ contains
    end subroutine augment_contacts
 
    !> Does the face act on the corner: held for good, or pressed while it slides along the face?
-   pure function acts(contact, overlap, slide, spacing) result(answer)
+   !> Where a face ends, it acts on edges whose middle it reaches: those beyond belong to the next
+   !> face, and the corner between them must not be pushed twice.
+   pure function acts(contact, overlap, slide, other_slide, spacing) result(answer)
       type(contact_type), intent(in) :: contact
-      real(wp), intent(in) :: overlap, slide, spacing
+      !> Traction over the penalty, and how far both ends of the edge move along the face, length
+      !> units.
+      real(wp), intent(in) :: overlap, slide, other_slide
+      !> Grid spacing.
+      real(wp), intent(in) :: spacing
       logical :: answer
-      real(wp) :: distance
+      real(wp) :: distance, middle, slack
 
+      answer = contact%is_bilateral
+      if (answer .or. .not. overlap < touching*spacing) return
+      slack = end_slack*spacing
       distance = contact%distance + slide
-      answer = contact%is_bilateral .or. (overlap < touching*spacing &
-                                          .and. distance >= -end_slack*spacing &
-                                          .and. distance <= contact%length + end_slack*spacing)
+      middle = 0.5_wp*(distance + contact%other_distance + other_slide)
+      answer = distance >= -slack .and. distance <= contact%length + slack
+      if (distance < slack) answer = answer .and. middle > 0.0_wp
+      if (distance > contact%length - slack) answer = answer .and. middle < contact%length
    end function acts
 
    !> Component of the nominal traction P N, P = tau dF^-T V0/A, and its derivative by the vertices

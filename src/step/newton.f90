@@ -3,6 +3,7 @@
 module coulter_step_newton
    use coulter_base_kinds, only: wp
    use coulter_base_text, only: to_text
+   use coulter_boundary, only: nitsche_band_ratio
    use coulter_model, only: model_type
    use coulter_model_observer, only: phase_assemble, phase_factorise, phase_solve
    use coulter_step_assembly, only: assemble
@@ -19,6 +20,10 @@ module coulter_step_newton
       integer :: n_iterations = 0
       !> Relative residual before every iteration and at the end, shape (n_iterations + 1).
       real(wp), allocatable :: residuals(:)
+      !> Was the last tangent nearly singular, so that something may move without any force?
+      logical :: is_nearly_singular = .false.
+      !> Did round-off end the iteration, with a residual above the tolerance?
+      logical :: is_limited_by_round_off = .false.
       !> Why there is no equilibrium; unallocated when there is.
       character(len=:), allocatable :: failure
       !> Displacement increments, their last correction, and the unbalanced force, shape (n_dofs).
@@ -30,9 +35,14 @@ module coulter_step_newton
    !> Corrections beyond this many times the edges of the grid betray a singular tangent whose
    !> pivots round-off has kept from vanishing.
    real(wp), parameter :: largest_motion = 1.0e3_wp
+   !> Corrections below this share of the extent of the material change strains by round-off only.
+   real(wp), parameter :: round_off = 4.0_wp*epsilon(1.0_wp)
    !> Corrections within this share of the largest coordinate of the grid are round-off of
    !> positions: a body at rest on walls would feel their gaps for ever.
-   real(wp), parameter :: round_off = 16.0_wp*epsilon(1.0_wp)
+   real(wp), parameter :: position_round_off = 16.0_wp*epsilon(1.0_wp)
+   !> A tangent whose smallest pivot is less than this share of its largest is nearly singular: the
+   !> share is 1e-7 or more when all bodies are held, and 1e-15 when one of them is free to move.
+   real(wp), parameter :: smallest_pivot = 1.0e-12_wp
    !> Evaluations that a line search may take, and the fall of |G| that is enough.
    integer, parameter :: most_searches = 6
    real(wp), parameter :: good_share = 0.8_wp
@@ -148,15 +158,21 @@ contains
       type(newton_type), intent(inout) :: newton
       type(model_type), intent(in) :: model
       logical, intent(out) :: is_done
-      real(wp) :: residual
+      real(wp) :: residual, extent
 
       residual = newton%residuals(size(newton%residuals))
       is_done = .false.
       if (newton%n_iterations > 0 .and. residual <= huge(residual)) then
          is_done = residual <= model%control%tolerance &
-            .or. maxval(abs(newton%correction)) <= &
-            max(model%control%increment_tolerance*maxval(abs(newton%unknowns)), &
-                round_off*maxval(abs([model%grid%origin, model%grid%upper_corner()])))
+            .or. maxval(abs(newton%correction)) &
+            <= model%control%increment_tolerance*maxval(abs(newton%unknowns))
+         if (is_done) return
+         extent = maxval(maxval(model%points%position, dim=2) &
+                         - minval(model%points%position, dim=2) + model%grid%spacing)
+         newton%is_limited_by_round_off = maxval(abs(newton%correction)) &
+            <= max(round_off*extent, position_round_off &
+                   *maxval(abs([model%grid%origin, model%grid%upper_corner()])))
+         is_done = newton%is_limited_by_round_off
       end if
       if (is_done) return
       is_done = newton%n_iterations >= model%control%max_iterations &
@@ -183,11 +199,25 @@ contains
       call system%watch%stop()
       if (.not. has_failed) has_failed = maxval(abs(newton%correction)) &
          > largest_motion*maxval(model%grid%upper_corner() - model%grid%origin)
+      newton%is_nearly_singular = system%solver%pivot_ratio < least_pivot_ratio(model)
       if (has_failed) then
          newton%failure = "the tangent is singular: the material is unstable, or a body is free" &
             //" to move since no boundary or fixity holds it"
       end if
    end subroutine find_correction
+
+   !> Ratio of pivots below which a tangent is nearly singular. Penalties over bands that are
+   !> smaller than usual make the largest pivots larger.
+   pure function least_pivot_ratio(model) result(ratio)
+      type(model_type), intent(in) :: model
+      real(wp) :: ratio
+      integer :: b
+
+      ratio = smallest_pivot
+      do b = 1, size(model%boundaries)
+         ratio = min(ratio, smallest_pivot*model%boundaries(b)%band_ratio/nitsche_band_ratio)
+      end do
+   end function least_pivot_ratio
 
    !> Apply the correction, shortened as far as it takes to keep every point the right side out and,
    !> where contacts may open and close, to come nearer to equilibrium.

@@ -90,7 +90,8 @@ contains
       real(wp) :: amplitude(2)
       integer :: b
 
-      amplitude = matmul(position, vector)
+      ! relative to the first corner, so that far from the origin no digits are lost
+      amplitude = matmul(position - spread(position(:, 1), 2, 4), vector)
       do b = 1, 4
          force(:, b) = force(:, b) + hourglass*vector(b)*amplitude
          stiffness(1, :, 1, b) = stiffness(1, :, 1, b) + hourglass*vector(b)*vector
