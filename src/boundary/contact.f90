@@ -7,7 +7,7 @@
 module coulter_boundary_contact
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: boundary_type, kind_fixed
-   use coulter_boundary_segment, only: new_segment, segment_type
+   use coulter_boundary_segment, only: lies_on, new_segment, segment_type
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
    private
@@ -95,13 +95,9 @@ contains
       type(segment_type), intent(in) :: segment
       integer, intent(in) :: b, s
       real(wp), intent(in) :: ends(2, 2), tolerance
-      real(wp) :: offset(2, 2), distance(2)
 
-      offset = ends - spread(segment%first, 2, 2)
-      if (any(abs(matmul(segment%normal, offset)) > tolerance)) return
-      distance = matmul(segment%tangent, offset)
-      if (any(distance < -tolerance .or. distance > segment%length + tolerance)) return
-      held = held_edge_type(b, s, distance)
+      if (.not. lies_on(segment, ends, tolerance)) return
+      held = held_edge_type(b, s, matmul(segment%tangent, ends - spread(segment%first, 2, 2)))
    end subroutine hold_edge
 
    !> Stations of a step: every outer edge against every face within reach that it looks at, with

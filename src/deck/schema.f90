@@ -58,6 +58,8 @@ module coulter_deck_schema
       group_rule_type("fixity", "any number", "Zero displacement at grid nodes."), &
       group_rule_type("boundary", "any number", &
                       "An implicit boundary: a polyline that need not match the grid."), &
+      group_rule_type("edge_load", "any number", &
+                      "A traction or pressure on edges of bodies; needs cpdi2."), &
       group_rule_type("body_force", "0 or 1", "A force per unit mass, such as gravity."), &
       group_rule_type("table", "any number", &
                       "A factor over time, linear between its times and constant beyond."), &
@@ -149,6 +151,16 @@ module coulter_deck_schema
          "may the boundary start away from all material?")]
 
    type(variable_rule_type), parameter :: step_rules(*) = [ &
+      variable_rule_type("edge_load", "name", "text", 1, 1, "", required, "", &
+         "name for messages"), &
+      variable_rule_type("edge_load", "vertices", "real", 4, 1000, "length", required, "", &
+         "corners x1, y1, x2, y2, ... of a polyline; edges on it at the start carry the load"), &
+      variable_rule_type("edge_load", "traction", "real", 2, 2, "stress", "(or pressure)", "", &
+         "dead load per undeformed area at a table value of 1; keeps its direction"), &
+      variable_rule_type("edge_load", "pressure", "real", 1, 1, "stress", "(or traction)", "", &
+         "follower load on the deformed edge at a table value of 1, positive when it pushes"), &
+      variable_rule_type("edge_load", "table", "text", 1, 1, "", "(ramp)", "", &
+         "name of the table that schedules it; else proportional to time"), &
       variable_rule_type("body_force", "acceleration", "real", 2, 2, "length/time^2", required, &
          "", "acceleration at a table value of 1"), &
       variable_rule_type("body_force", "table", "text", 1, 1, "", "(ramp)", "", &
@@ -171,6 +183,8 @@ module coulter_deck_schema
          "cpdi2: stiffness against hourglass modes of tiles, 1 for that of full integration"), &
       variable_rule_type("control", "ghost_penalty", "real", 1, 1, "", "1.0e-3", ">= 0 <= 0.1", &
          "cpdi2: stabilisation near the outline over the shear modulus"), &
+      variable_rule_type("control", "solver", "choice", 1, 1, "", "'auto'", "auto umfpack", &
+         "`auto` takes Cholesky where it works and LU elsewhere, `umfpack` always LU"), &
       variable_rule_type("control", "tolerance", "real", 1, 1, "", "1.0e-8", "> 0 < 1", &
          "largest accepted residual norm over the norm of the internal or external force"), &
       variable_rule_type("control", "increment_tolerance", "real", 1, 1, "", "1.0e-11", &

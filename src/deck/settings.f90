@@ -87,6 +87,9 @@ contains
       call get_value(deck, group, "max_iterations", control%max_iterations)
       call get_value(deck, group, "max_halvings", control%max_halvings)
       call get_value(deck, group, "fill_tolerance", control%fill_tolerance)
+      choice = merge(2, 1, control%is_lu_only)
+      call get_choice(deck, group, "solver", choice)
+      control%is_lu_only = choice == 2
       choice = findloc(treatments, control%small_cells, dim=1)
       call get_choice(deck, group, "small_cells", choice)
       control%small_cells = treatments(choice)

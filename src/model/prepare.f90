@@ -5,6 +5,7 @@ module coulter_model_prepare
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: area_and_centroid, overlap_area, polyline_distance
    use coulter_base_text, only: to_text
+   use coulter_boundary_edge_load, only: find_loaded_edges, loaded_edge_type
    use coulter_model, only: model_type
    use coulter_model_control, only: domains_tiles
    use coulter_points_seeding, only: seed_initial_stress, seed_points, seed_tiles
@@ -43,6 +44,7 @@ contains
       if (faults%n_faults > known_faults) return
       call seed_model(model)
       if (model%points%n_points == 0) call faults%add("region", 0, "", "no region holds material")
+      if (allocated(model%tiling)) call check_edge_loads(model, faults)
    end subroutine prepare_model
 
    !> All regions in one list.
@@ -146,6 +148,20 @@ contains
          length = min(length, norm2(vertices(:, s + 1) - vertices(:, s)))
       end do
    end function shortest_segment
+
+   !> Every load must find an edge to act on.
+   subroutine check_edge_loads(model, faults)
+      type(model_type), intent(in) :: model
+      type(fault_list_type), intent(inout) :: faults
+      type(loaded_edge_type), allocatable :: edges(:)
+      integer :: load
+
+      call find_loaded_edges(edges, model%edge_loads, model%tiling, model%grid%smallest_spacing())
+      do load = 1, size(model%edge_loads)
+         if (any(edges%load == load)) cycle
+         call faults%add("edge_load", load, "vertices", "no edge of a body lies on this polyline")
+      end do
+   end subroutine check_edge_loads
 
    !> The box of a fixity must meet the grid.
    subroutine check_fixities(model, faults)

@@ -29,6 +29,9 @@ module coulter_step_newton
    !> Corrections beyond this many times the edges of the grid betray a singular tangent whose
    !> pivots round-off has kept from vanishing.
    real(wp), parameter :: largest_motion = 1.0e3_wp
+   !> Corrections within this share of the largest coordinate of the grid are round-off of positions:
+   !> a body at rest on walls would feel their gaps for ever.
+   real(wp), parameter :: round_off = 16.0_wp*epsilon(1.0_wp)
    !> Evaluations that a line search may take, and the fall of |G| that is enough.
    integer, parameter :: most_searches = 6
    real(wp), parameter :: good_share = 0.8_wp
@@ -95,7 +98,6 @@ contains
          residual = 1.0_wp
       end if
       newton%residuals = [newton%residuals, residual]
-
    end subroutine measure
 
    !> Force that is not in balance, reduced to the unknowns.
@@ -141,8 +143,9 @@ contains
       is_done = .false.
       if (newton%n_iterations > 0 .and. residual <= huge(residual)) then
          is_done = residual <= model%control%tolerance &
-            .or. maxval(abs(newton%correction)) &
-            <= model%control%increment_tolerance*maxval(abs(newton%unknowns))
+            .or. maxval(abs(newton%correction)) <= &
+            max(model%control%increment_tolerance*maxval(abs(newton%unknowns)), &
+                round_off*maxval(abs([model%grid%origin, model%grid%upper_corner()])))
       end if
       if (is_done) return
       is_done = newton%n_iterations >= model%control%max_iterations &

@@ -1,7 +1,6 @@
 !> Forces and tangent of bodies whose domains tile them, and of the contacts on their outer edges.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_tile_assembly
-   use coulter_algebra_sparse, only: add_element_matrix
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: boundary_type
    use coulter_boundary_contact, only: contact_type
@@ -12,7 +11,7 @@ module coulter_step_tile_assembly
    use coulter_step_point_kernel, only: add_force, add_stiffness, point_response_type, respond
    use coulter_step_system, only: system_type
    use coulter_step_tile_map, only: interpolate, spread_to_nodes
-   use coulter_step_unknowns, only: condense, max_unknowns
+   use coulter_step_tile_scatter, only: add_at_corners, scatter_tile
    implicit none(type, external)
    private
    public :: add_tiles
@@ -76,7 +75,7 @@ contains
                                + system%map%increment(:, corner), force, stiffness)
             call add_at_corners(corner, force, at_corners)
          end associate
-         call scatter(system, p, stiffness)
+         call scatter_tile(system, p, stiffness)
       end do
       failed_tile = 0
    end subroutine add_interiors
@@ -132,7 +131,7 @@ contains
       type(point_response_type) :: response
       real(wp) :: force(2, 4), stiffness(2, 4, 2, 4), reaction(2)
       integer :: k, tile
-      logical :: has_failed
+      logical :: has_failed, is_acting
 
       tile = 0
       do k = 1, system%contacts%n
@@ -145,29 +144,32 @@ contains
                   call respond_tile(system, model, law, tile, response, has_failed)
                end associate
             end if
-            call add_contact(system, model, contact, response, force, stiffness, reaction)
+            call add_contact(system, model, contact, response, force, stiffness, reaction, &
+                             is_acting)
             associate (total => system%boundary_reaction(:, contact%boundary), &
                        length => system%loaded_length(contact%boundary))
                total = total + reaction
-               if (any(abs(reaction) > 0.0_wp)) length = length + contact%weight
+               if (is_acting) length = length + contact%weight
             end associate
          end associate
          if (k < system%contacts%n) then
             if (system%contacts%item(k + 1)%tile == tile) cycle
          end if
          call add_at_corners(model%tiling%corner(:, tile), force, at_corners)
-         call scatter(system, tile, stiffness)
+         call scatter_tile(system, tile, stiffness)
       end do
    end subroutine add_contacts
 
-   !> One station: traction s + k g along the normal, and for fixed kinds along the tangent.
-   subroutine add_contact(system, model, contact, response, force, stiffness, reaction)
+   !> One station, if it acts: traction s + k g along the normal, and for fixed kinds along the
+   !> tangent.
+   subroutine add_contact(system, model, contact, response, force, stiffness, reaction, is_acting)
       type(system_type), intent(in) :: system
       type(model_type), intent(in) :: model
       type(contact_type), intent(in) :: contact
       type(point_response_type), intent(in) :: response
       real(wp), intent(inout) :: force(2, 4), stiffness(2, 4, 2, 4)
       real(wp), intent(out) :: reaction(2)
+      logical, intent(out) :: is_acting
       real(wp) :: traction, by_vertices(2, 4), penalty, share, moved(2), lame_lambda, shear_modulus
 
       reaction = 0.0_wp
@@ -179,8 +181,9 @@ contains
          /(model%boundaries(contact%boundary)%band_ratio*model%grid%smallest_spacing())
       call nominal_traction(response, share, contact%normal, contact%normal, traction, by_vertices)
       traction = traction + penalty*(contact%gap + dot_product(contact%normal, moved))
-      if (.not. acts(contact, traction/penalty, dot_product(contact%tangent, moved), &
-                     model%grid%smallest_spacing())) return
+      is_acting = acts(contact, traction/penalty, dot_product(contact%tangent, moved), &
+                       model%grid%smallest_spacing())
+      if (.not. is_acting) return
       call push(contact%normal, penalty)
       if (.not. contact%is_fixed) return
       penalty = penalty*shear_modulus/(lame_lambda + 2.0_wp*shear_modulus)
@@ -240,30 +243,5 @@ contains
       end do
       by_vertices = matmul(slope, response%gradient)
    end subroutine nominal_traction
-
-   !> Add the forces of a tile to those of its corners; a triangle has one corner twice.
-   pure subroutine add_at_corners(corner, force, at_corners)
-      integer, intent(in) :: corner(4)
-      real(wp), intent(in) :: force(2, 4)
-      real(wp), intent(inout) :: at_corners(:, :)
-      integer :: v
-
-      do v = 1, 4
-         at_corners(:, corner(v)) = at_corners(:, corner(v)) + force(:, v)
-      end do
-   end subroutine add_at_corners
-
-   !> Add the matrix of a tile to the tangent.
-   subroutine scatter(system, tile, stiffness)
-      type(system_type), intent(inout) :: system
-      integer, intent(in) :: tile
-      real(wp), intent(in) :: stiffness(2, 4, 2, 4)
-      real(wp) :: condensed(4*max_unknowns**2)
-      integer :: m
-
-      m = system%coupling%elements%start(tile + 1) - system%coupling%elements%start(tile)
-      call condense(system%coupling, tile, stiffness, m, condensed)
-      call add_element_matrix(system%pattern, tile, condensed(:m*m), system%values)
-   end subroutine scatter
 
 end module coulter_step_tile_assembly
