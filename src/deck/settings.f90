@@ -84,6 +84,7 @@ contains
       call get_value(deck, group, "ghost_penalty", control%ghost_ratio)
       call get_value(deck, group, "tolerance", control%tolerance)
       call get_value(deck, group, "increment_tolerance", control%increment_tolerance)
+      call get_value(deck, group, "augmentations", control%n_augmentations)
       call get_value(deck, group, "max_iterations", control%max_iterations)
       call get_value(deck, group, "max_halvings", control%max_halvings)
       call get_value(deck, group, "fill_tolerance", control%fill_tolerance)

@@ -118,7 +118,8 @@ contains
       end do
    end function tile_outlines
 
-   !> Gamma = (h - (h.X) g)/4 with h = (1, -1, 1, -1); zero for triangles.
+   !> Gamma = (h - (h.X) g)/4 with h = (1, -1, 1, -1). In triangles it sees nothing: the shares of
+   !> the repeated corner cancel, the others vanish.
    pure function hourglass_vector(corner) result(gamma)
       real(wp), intent(in) :: corner(2, 4)
       real(wp) :: gamma(4)

@@ -3,7 +3,8 @@
 module coulter_step_tile_setup
    use coulter_algebra_sparse, only: add_element_matrix, element_dofs_type
    use coulter_base_kinds, only: wp
-   use coulter_boundary_contact, only: build_contacts, find_held_edges
+   use coulter_boundary, only: formulation_augmented
+   use coulter_boundary_contact, only: build_contacts, find_held_edges, recall_contacts
    use coulter_boundary_edge_load, only: find_loaded_edges
    use coulter_model, only: boundary_motion, model_type
    use coulter_model_control, only: small_cells_aggregate
@@ -43,6 +44,9 @@ contains
       end do
       call build_contacts(system%contacts, model%boundaries, motion, model%tiling, &
                           system%held_edges, model%grid%smallest_spacing())
+      if (any(model%boundaries%formulation == formulation_augmented)) then
+         call recall_contacts(system%contacts, system%last_contacts)
+      end if
       call find_stabilised_faces(system, model)
    end subroutine find_tile_participants
 
