@@ -1,0 +1,80 @@
+"""Two questions of cost: tiles against points, and a background grid far larger than the body."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from coulter_post import Results
+from problems import MPM, Scheme, boundary, ending, grid, listed, material
+
+CELLS, STEPS, LARGER = 64, 5, 100
+
+
+def block(scheme: Scheme, larger: int = 1) -> str:
+    """A unit square between rollers off the grid, pressed by 2 %; the grid as large as asked."""
+    h = 1.0 / CELLS
+    reach = (CELLS + 4) * larger
+    below = (reach - CELLS) // 2
+    low = -(below + 0.37) * h
+    push = f", displacement = {listed(0.0, -0.02)}"
+    return (
+        grid((low, low), h, (reach, reach))
+        + material(1000.0, 0.3, 0.0, [(0, 0), (1, 0), (1, 1), (0, 1)], scheme)
+        + boundary("base", "roller", [(0, 0), (1.02, 0)], scheme)
+        + boundary("left", "roller", [(0, 1), (0, 0)], scheme)
+        + boundary("top", "roller", [(1.02, 1), (0, 1)], scheme, push)
+        + ending(STEPS, scheme)
+    )
+
+
+def cost(program: str, measured: Callable, repeat: int, text: str, folder: Path) -> dict:
+    """Cheapest of several runs: processor time, memory, assembly and everything per iteration."""
+    deck = folder / "block.nml"
+    deck.write_text(text)
+    best: dict = {}
+    for _ in range(repeat):
+        usage, message = measured([program, "--quiet", "--output", folder, deck], 300, 1)
+        if usage["code"] != 0:
+            raise RuntimeError(message)
+        results = Results(deck.with_suffix(".vtkhdf"))
+        history = results.history
+        seconds = dict(zip(results.phase_names, history["phase_seconds"].sum(axis=0), strict=True))
+        n_points = len(results.frame(0).position)
+        n_iterations = int(history["n_iterations"].sum())
+        found = {
+            "points": n_points,
+            "unknowns": int(history["n_dofs"][-1]),
+            "iterations": n_iterations,
+            "assembly": 1e6 * seconds["assemble"] / n_points / n_iterations,
+            "all": 1e6 * usage["cpu"] / n_points / n_iterations,
+            "cpu": usage["cpu"],
+            "memory": usage["memory"] / 1e6,
+        }
+        for name, value in found.items():
+            best[name] = min(value, best.get(name, value))
+    return best
+
+
+def report(program: str, measured: Callable, repeat: int, folder: Path) -> None:
+    """Print both tables as Markdown."""
+    print("| domains | points | unknowns | iterations | assembly (us) | all (us) | all (s) |")
+    print("|---|---|---|---|---|---|---|")
+    for label, control, points in (
+        ("cpdi2, 1 point per cell", "", 1),
+        ("mpm, 1 point per cell", MPM, 1),
+        ("cpdi2, 2 x 2 points", "", 2),
+        ("mpm, 2 x 2 points", MPM, 2),
+    ):
+        found = cost(
+            program, measured, repeat, block(Scheme(label, points, control)), folder
+        )
+        print(
+            f"| {label} | {found['points']} | {found['unknowns']} | {found['iterations']} |"
+            f" {found['assembly']:.2f} | {found['all']:.2f} | {found['cpu']:.3f} |"
+        )
+    print("\n| cells of the grid | time (s) | memory (MB) |\n|---|---|---|")
+    for larger in (1, LARGER):
+        found = cost(program, measured, 2 * repeat, block(Scheme(""), larger), folder)
+        cells = (CELLS + 4) * larger
+        print(f"| {cells} x {cells} | {found['cpu']:.3f} | {found['memory']:.1f} |")
