@@ -5,6 +5,7 @@ module coulter_model_prepare
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: area_and_centroid, overlap_area, polyline_distance
    use coulter_base_text, only: to_text
+   use coulter_boundary, only: formulation_implicit, kind_fixed
    use coulter_boundary_edge_load, only: find_loaded_edges, loaded_edge_type
    use coulter_model, only: model_type
    use coulter_model_control, only: domains_tiles
@@ -122,6 +123,14 @@ contains
             if (shortest_segment(boundary%vertices) <= 1.0e-9_wp*spacing) then
                call faults%add("boundary", b, "vertices", "two corners in a row coincide")
                cycle
+            end if
+            if ((boundary%formulation == formulation_implicit) &
+                .eqv. (model%control%domains == domains_tiles)) then
+               call faults%add("boundary", b, "formulation", "does not suit the domains of the" &
+                               //" points: 'nitsche' or 'augmented' for tiles, else 'implicit'")
+            else if (boundary%kind == kind_fixed .and. .not. boundary%is_bilateral &
+                     .and. model%control%domains == domains_tiles) then
+               call faults%add("boundary", b, "bilateral", "a fixed boundary must be bilateral")
             end if
             if (boundary%may_start_apart) cycle
             distance = huge(distance)

@@ -6,6 +6,7 @@ module coulter_step_newton
    use coulter_model, only: model_type
    use coulter_model_observer, only: phase_assemble, phase_factorise, phase_solve
    use coulter_step_assembly, only: assemble
+   use coulter_step_contact_forces, only: augment_contacts
    use coulter_step_dofs, only: expand, reduce
    use coulter_step_system, only: system_type
    implicit none(type, external)
@@ -29,6 +30,9 @@ module coulter_step_newton
    !> Corrections beyond this many times the edges of the grid betray a singular tangent whose
    !> pivots round-off has kept from vanishing.
    real(wp), parameter :: largest_motion = 1.0e3_wp
+   !> Corrections within this share of the largest coordinate of the grid are round-off of
+   !> positions: a body at rest on walls would feel their gaps for ever.
+   real(wp), parameter :: round_off = 16.0_wp*epsilon(1.0_wp)
    !> Evaluations that a line search may take, and the fall of |G| that is enough.
    integer, parameter :: most_searches = 6
    real(wp), parameter :: good_share = 0.8_wp
@@ -45,16 +49,26 @@ contains
       !> Scene at the start of the step.
       type(model_type), intent(in) :: model
       logical :: is_done
+      integer :: round
 
       associate (n => system%dofs%n_dofs)
          allocate (newton%unknowns(n), newton%correction(n), source=0.0_wp)
          allocate (newton%unbalanced(n), newton%residuals(0))
       end associate
       call evaluate(newton, system, model, newton%unknowns)
+      round = 0
       do while (.not. allocated(newton%failure))
          call measure(newton, system)
          call judge(newton, model, is_done)
-         if (is_done) exit
+         if (is_done) then
+            if (round == model%control%n_augmentations .or. allocated(newton%failure)) exit
+            call augment_contacts(system, model, has_changed=is_done)
+            if (.not. is_done) exit
+            round = round + 1
+            newton%correction = huge(newton%correction)
+            call evaluate(newton, system, model, newton%unknowns)
+            cycle
+         end if
          call find_correction(newton, system, model)
          if (allocated(newton%failure)) exit
          call advance(newton, system, model)
@@ -95,7 +109,6 @@ contains
          residual = 1.0_wp
       end if
       newton%residuals = [newton%residuals, residual]
-
    end subroutine measure
 
    !> Force that is not in balance, reduced to the unknowns.
@@ -141,8 +154,9 @@ contains
       is_done = .false.
       if (newton%n_iterations > 0 .and. residual <= huge(residual)) then
          is_done = residual <= model%control%tolerance &
-            .or. maxval(abs(newton%correction)) &
-            <= model%control%increment_tolerance*maxval(abs(newton%unknowns))
+            .or. maxval(abs(newton%correction)) <= &
+            max(model%control%increment_tolerance*maxval(abs(newton%unknowns)), &
+                round_off*maxval(abs([model%grid%origin, model%grid%upper_corner()])))
       end if
       if (is_done) return
       is_done = newton%n_iterations >= model%control%max_iterations &

@@ -71,6 +71,7 @@ contains
          return
       end if
       call system%watch%start(phase_number)
+      system%solver%is_lu_only = model%control%is_lu_only
       if (allocated(model%tiling)) then
          call number_tile_system(system, model, has_failed)
       else
