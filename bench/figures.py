@@ -35,13 +35,15 @@ GRID_COLOUR = "#e2e5e8"
 LOOKS = {
     "default": ("default: tiles, Nitsche, 1 point", "#0b5394", "o"),
     "default_2x2": ("tiles, Nitsche, 2 x 2 points", "#5fa8e0", "s"),
-    "paper": ("mpm, paper's implicit boundary", "#b45309", "^"),
-    "penalty": ("mpm, penalty", "#d39b2a", "v"),
+    "paper": ("mpm, implicit boundary of the paper", "#b45309", "^"),
+    "penalty": ("mpm, penalty, delta = 0.05 h", "#d39b2a", "v"),
     "memory": ("mpm, penalty with memory", "#7a8f2a", "D"),
-    "kratos": ("Kratos MPM", "#8b1e5b", "x"),
-    "kratos_10": ("Kratos MPM, penalty 10 E/h", "#d16ba5", "*"),
-    "kratos_100": ("Kratos MPM, penalty 100 E/h", "#8b1e5b", "x"),
-    "kratos_1000": ("Kratos MPM, penalty 1000 E/h", "#c0392b", "+"),
+    "kratos": ("Kratos, 2 x 2 points", "#8b1e5b", "x"),
+    "kratos_10": ("Kratos, 2 x 2 points, penalty 10 E/h", "#d16ba5", "+"),
+    "kratos_100": ("Kratos, 2 x 2 points, penalty 100 E/h", "#8b1e5b", "x"),
+    "kratos_100_16": ("Kratos, 4 x 4 points, penalty 100 E/h", "#8b1e5b", "x"),
+    "kratos_64": ("Kratos, 8 x 8 points, penalty 1000 E/h", "#d16ba5", "+"),
+    "kratos_10_64": ("Kratos, 8 x 8 points, penalty 10 E/h", "#d16ba5", "+"),
     "ample": ("AMPLE, GIMP: published error, no time", "#555555", ""),
 }
 
@@ -69,7 +71,8 @@ def draw_panel(axes: Axes, rows: list[dict], usual_steps: int, cost: str, factor
     for (scheme, steps), line in lines(rows).items():
         label, colour, marker = LOOKS[scheme]
         if scheme == "ample":
-            draw_levels(axes, line, colour)
+            if cost == "cpu_s":
+                draw_levels(axes, line, colour)
             continue
         dashed = steps != usual_steps
         axes.plot(
@@ -108,6 +111,23 @@ def draw_levels(axes: Axes, line: list[dict], colour: str) -> None:
             va="center",
         )
         axes.plot([0.985, 1.0], [error, error], color=colour, transform=axes.get_yaxis_transform())
+
+
+def cheapest(table: Path, limit: float) -> list[str]:
+    """Markdown: the first grid from which on every finer one has at most this error."""
+    rows = ["| problem | scheme | steps | cells | error | time (s) |", "|---|---|---|---|---|---|"]
+    for name, problem in PROBLEMS.items():
+        of_problem = [row for row in read(table) if row["problem"] == name and row["cpu_s"]]
+        for (scheme, steps), line in lines(of_problem).items():
+            bad = [k for k, row in enumerate(line) if float(row["error"]) > limit]
+            first = bad[-1] + 1 if bad else 0
+            found = "never | | |"
+            if first < len(line):
+                row = line[first]
+                percent, seconds = 100 * float(row["error"]), float(row["cpu_s"])
+                found = f"{row['cells']} | {percent:.2g} % | {seconds:.2f} |"
+            rows.append(f"| {problem.title} | {LOOKS[scheme][0]} | {steps} | {found}")
+    return rows
 
 
 def draw(table: Path, folder: Path) -> list[Path]:

@@ -31,18 +31,36 @@ from problems import PROBLEMS, SCHEMES, Problem, Scheme  # noqa: E402
 PROGRAM = os.environ.get("COULTER_PROGRAM", str(ROOT / "build/release/coulter"))
 #: Python with Kratos' packages, if it is not this one.
 KRATOS_PYTHON = os.environ.get("COULTER_KRATOS_PYTHON", sys.executable)
-#: Penalties over modulus and spacing, and numbers of steps, that were tried with Kratos.
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A way of running Kratos: what its driver is told, on which grids."""
+
+    key: str
+    cells: tuple[int, ...]
+    steps: int
+    penalty: int = 100  #: times modulus over spacing
+    points: int = 4  #: per element of the body
+    finer: int = 1  #: elements of the body per cell and direction
+
+
+#: Of the penalties 1 to 10000 and of 4 to 256 points per cell, a usual choice and the best ones.
 KRATOS = {
-    "column": ((100,), (40,)),
-    "patch": ((100, 1000), (1,)),
-    "beam": ((10,), (20,)),
-    "wedge": ((100,), (6, 36)),
-}
-KRATOS_CELLS = {
-    "column": (4, 8, 16, 32, 64, 128),
-    "patch": (8, 16, 32, 64),
-    "beam": (2, 4, 8, 16),
-    "wedge": (10, 15, 20, 30),
+    "column": [Peer("kratos", (4, 8, 16, 32, 64, 128), 40)],
+    "patch": [
+        Peer("kratos_100", (8, 16, 32), 1),
+        Peer("kratos_64", (8, 16, 32, 64), 1, 1000, 16, 2),
+    ],
+    "beam": [
+        Peer("kratos_100_16", (2, 4, 8), 5, 100, 16),
+        Peer("kratos_10_64", (2, 4, 8), 5, 10, 16, 2),
+    ],
+    "wedge": [
+        Peer("kratos_100", (10, 15, 20, 30), 6),
+        Peer("kratos_10", (10, 15, 20, 30), 6, 10),
+        Peer("kratos_100", (10, 15, 20), 36),
+    ],
 }
 #: AMPLE 1.1 (GIMP, 2 x 2 points, 40 steps) on the column on grid lines, as published.
 AMPLE = {4: 4.133e-2, 8: 1.294e-2, 16: 3.6589e-3, 32: 1.0487e-3, 64: 4.3572e-4}
@@ -115,7 +133,7 @@ def coulter_runs(name: str, problem: Problem, folder: Path, quick: bool, repeat:
     """All schemes, grids and numbers of steps of a problem."""
     for key in problem.schemes:
         numbers = [problem.steps]
-        if key in ("default", "paper") and not quick:
+        if key in ("default", "paper", "penalty") and not quick:
             numbers += problem.other_steps
         for steps in numbers:
             for cells in problem.cells[:2] if quick else problem.cells:
@@ -131,20 +149,24 @@ def has_kratos() -> bool:
 
 
 def kratos_runs(name: str, quick: bool, repeat: int) -> Iterator[Run]:
-    """Kratos on the same problem, grids, and processor."""
-    penalties, numbers = KRATOS.get(name, ((), ()))
-    for penalty in penalties:
-        for steps in numbers:
-            for cells in KRATOS_CELLS[name][: 1 if quick else None]:
-                yield run_kratos(name, penalty, cells, steps, repeat)
+    """Kratos on the same problem, on the same processor."""
+    for peer in KRATOS.get(name, ()):
+        for cells in peer.cells[: 1 if quick else None]:
+            yield run_kratos(name, peer, cells, repeat)
 
 
-def run_kratos(name: str, penalty: float, cells: int, steps: int, repeat: int) -> Run:
+def run_kratos(name: str, peer: Peer, cells: int, repeat: int) -> Run:
     """Cheapest of several runs of a driver."""
-    key = "kratos" if name == "column" else f"kratos_{penalty:g}"
-    run = Run(name, key, cells, steps)
-    driver = BENCH / f"peers/kratos_{name}.py"
-    command = [KRATOS_PYTHON, driver, "--cells", cells, "--steps", steps, "--penalty", penalty]
+    run = Run(name, peer.key, cells, peer.steps)
+    told_driver = {
+        "cells": cells,
+        "steps": peer.steps,
+        "penalty": peer.penalty,
+        "points": peer.points,
+        "finer": peer.finer,
+    }
+    options = [word for key, value in told_driver.items() for word in (f"--{key}", value)]
+    command = [KRATOS_PYTHON, BENCH / f"peers/kratos_{name}.py", *options]
     for k in range(repeat):
         try:
             done = subprocess.run(
@@ -160,7 +182,8 @@ def run_kratos(name: str, penalty: float, cells: int, steps: int, repeat: int) -
             return run
         found = [line for line in done.stdout.splitlines() if line.startswith("RESULT")]
         if done.returncode != 0 or not found:
-            run.note = ((done.stderr or done.stdout).strip().splitlines() or ["failed"])[-1]
+            known = "does not converge" in done.stderr
+            run.note = done.stderr.strip().splitlines()[-1] if known else "Kratos stopped"
             return run
         result = json.loads(found[-1].removeprefix("RESULT"))
         if run.cpu_s is None or result["cpu"] < run.cpu_s:
@@ -239,6 +262,7 @@ def main(arguments: list[str] | None = None) -> None:
                     runs.append(run)
                 runs += published_runs(name)
                 keep(runs, given.results)
+    print(*figures.cheapest(given.results, 0.01), sep="\n")
     for path in figures.draw(given.results, given.images):
         print(path)
 
