@@ -72,9 +72,9 @@ def report(program: str, measured: Callable, repeat: int, folder: Path) -> None:
         ("cpdi2, 2 x 2 points", "", 2),
         ("mpm, 2 x 2 points", MPM, 2),
     ):
-        found = cost(
-            program, measured, repeat, block(Scheme(label, points, control)), folder
-        )
+        scheme = Scheme(points, control, bilateral=not control)
+        text = block(scheme)
+        found = cost(program, measured, repeat, text, folder)
         print(
             f"| {label} | {found['points']} | {found['unknowns']} | {found['iterations']} |"
             f" {found['assembly']:.2f} | {found['all']:.2f} | {found['cpu']:.3f} |"
@@ -83,7 +83,7 @@ def report(program: str, measured: Callable, repeat: int, folder: Path) -> None:
     best: dict[int, dict] = {}
     for _ in range(3 * repeat):  # in turns, so that both see the same noise
         for larger in (1, LARGER):
-            found = cost(program, measured, 1, block(Scheme(""), larger), folder)
+            found = cost(program, measured, 1, block(Scheme(), larger), folder)
             if larger not in best or found["cpu"] < best[larger]["cpu"]:
                 best[larger] = found
     for larger, found in best.items():

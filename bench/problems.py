@@ -15,7 +15,6 @@ from coulter_post.results import Frame
 class Scheme:
     """A way of solving: what it adds to a deck."""
 
-    label: str
     points: int = 1  #: per cell and direction
     control: str = ""  #: variables of &control
     boundary: str = ""  #: variables of every &boundary
@@ -23,26 +22,13 @@ class Scheme:
 
 
 MPM = "domains = 'mpm'"
+PENALTY = "formulation = 'penalty', band_ratio = 0.05, "
 SCHEMES = {
-    "default": Scheme("default: tiles, Nitsche, 1 point"),
-    "default_2x2": Scheme("tiles, Nitsche, 2 x 2 points", points=2),
-    "paper": Scheme(
-        "points, implicit boundary of the paper", 2, MPM, "formulation = 'implicit', ", False
-    ),
-    "penalty": Scheme(
-        "points, penalty",
-        2,
-        MPM,
-        "formulation = 'penalty', band_ratio = 0.05, ",
-        False,
-    ),
-    "memory": Scheme(
-        "points, penalty with memory",
-        2,
-        MPM,
-        "formulation = 'penalty', band_ratio = 0.05, memory = .true., ",
-        False,
-    ),
+    "default": Scheme(),
+    "default_2x2": Scheme(points=2),
+    "paper": Scheme(2, MPM, "formulation = 'implicit', ", bilateral=False),
+    "penalty": Scheme(2, MPM, PENALTY, bilateral=False),
+    "memory": Scheme(2, MPM, PENALTY + "memory = .true., ", bilateral=False),
 }
 
 

@@ -148,14 +148,14 @@ def has_kratos() -> bool:
     return subprocess.run(command, capture_output=True, check=False).returncode == 0
 
 
-def kratos_runs(name: str, quick: bool, repeat: int) -> Iterator[Run]:
+def kratos_runs(name: str, folder: Path, quick: bool, repeat: int) -> Iterator[Run]:
     """Kratos on the same problem, on the same processor."""
     for peer in KRATOS.get(name, ()):
         for cells in peer.cells[: 1 if quick else None]:
-            yield run_kratos(name, peer, cells, repeat)
+            yield run_kratos(name, peer, cells, folder, repeat)
 
 
-def run_kratos(name: str, peer: Peer, cells: int, repeat: int) -> Run:
+def run_kratos(name: str, peer: Peer, cells: int, folder: Path, repeat: int) -> Run:
     """Cheapest of several runs of a driver."""
     run = Run(name, peer.key, cells, peer.steps)
     told_driver = {
@@ -171,7 +171,7 @@ def run_kratos(name: str, peer: Peer, cells: int, repeat: int) -> Run:
         try:
             done = subprocess.run(
                 [str(part) for part in command],
-                env=ENVIRONMENT,
+                env={**ENVIRONMENT, "TMPDIR": str(folder)},
                 capture_output=True,
                 text=True,
                 check=False,
@@ -257,7 +257,7 @@ def main(arguments: list[str] | None = None) -> None:
                 for run in coulter_runs(name, problem, Path(folder), given.quick, repeat):
                     print(told(run), flush=True)
                     runs.append(run)
-                for run in kratos_runs(name, given.quick, repeat) if peers else ():
+                for run in kratos_runs(name, Path(folder), given.quick, repeat) if peers else ():
                     print(told(run), flush=True)
                     runs.append(run)
                 runs += published_runs(name)
