@@ -43,8 +43,8 @@ module coulter_algebra_solver
    !> Entries that differ from their mirror images by less than this, over the largest entry, come
    !> from round-off.
    real(wp), parameter :: symmetry_tolerance = 1.0e-13_wp
-   !> Residual over the right-hand side that is accepted from GMRES: Newton's method stays quadratic
-   !> down to this factor.
+   !> Preconditioned residual, about the relative error of the solution, that is accepted from
+   !> GMRES: Newton's method stays quadratic down to this factor.
    real(wp), parameter :: gmres_tolerance = 1.0e-6_wp
 
 contains
