@@ -66,7 +66,8 @@ module coulter_boundary_contact
    real(wp), parameter :: touching = 1.0e-6_wp
    !> Faces this far away may be met within a step, over the spacing.
    real(wp), parameter :: reach = 4.0_wp
-   !> Edges deeper behind a face than this and the reach belong to something else, over the spacing.
+   !> Edges deeper behind a face than this, over the spacing, and the way that the face has come in
+   !> the step belong to something else.
    real(wp), parameter :: deepest = 1.0_wp
 
 contains
@@ -141,7 +142,7 @@ contains
                call new_segment(segment, boundaries(b)%vertices(:, s) + motion(:, b), &
                                 boundaries(b)%vertices(:, s + 1) + motion(:, b))
                call meet(contacts, boundaries(b), b, s, segment, tiling, e, held(e), &
-                         largest_reach, deepest*spacing)
+                         largest_reach, deepest*spacing + norm2(motion(:, b)))
             end do
          end do
       end do
@@ -194,7 +195,7 @@ contains
       else
          facing = segment%normal(2)*along(1) - segment%normal(1)*along(2)
          if (facing <= 1.0e-9_wp*norm2(along)) return
-         if (minval(gap) > reach .or. maxval(gap) < -deepest - reach) return
+         if (minval(gap) > reach .or. maxval(gap) < -deepest) return
          if (maxval(distance) < -reach .or. minval(distance) > segment%length + reach) return
       end if
       contact%boundary = b
