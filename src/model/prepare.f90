@@ -128,8 +128,8 @@ contains
                cycle
             end if
             if (boundary%formulation == formulation_implicit .and. boundary%has_coupling_term &
-                .and. largest_stiffness_ratio(model) > nearly_incompressible &
-                .and. boundary%band_ratio*largest_stiffness_ratio(model) > widest_yielding_band) then
+                .and. largest_stiffness_ratio(model) > nearly_incompressible .and. &
+                boundary%band_ratio*largest_stiffness_ratio(model) > widest_yielding_band) then
                call faults%add("boundary", b, "", "band_ratio = "//to_text(boundary%band_ratio) &
                                //" is too wide for material that is nearly incompressible:" &
                                //" formulation 'implicit' needs a band_ratio of at most " &

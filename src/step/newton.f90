@@ -191,8 +191,8 @@ contains
       end if
    end subroutine find_correction
 
-   !> Ratio of pivots below which a tangent is nearly singular. Penalties over bands that are smaller
-   !> than usual make the largest pivots larger.
+   !> Ratio of pivots below which a tangent is nearly singular. Penalties over bands that are
+   !> smaller than usual make the largest pivots larger.
    pure function least_pivot_ratio(model) result(ratio)
       type(model_type), intent(in) :: model
       real(wp) :: ratio
