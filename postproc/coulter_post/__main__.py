@@ -58,6 +58,9 @@ def _draw(results: Results, options: argparse.Namespace) -> None:
 
 def _summary(results: Results) -> list[str]:
     history, provenance = results.history, results.provenance
+    warnings: dict[int, list[str]] = {}
+    for row, text in results.warnings:
+        warnings.setdefault(row, []).append(text)
     names = results.boundary_names
     force = results.units.get("force", "")
     lines = [
@@ -79,6 +82,7 @@ def _summary(results: Results) -> list[str]:
             f" {history['phase_seconds'][row].sum():>8.2f}"
             + "".join(f"{x:>11.5g}{y:>11.5g}" for x, y in history["boundary_reactions"][row])
         )
+        lines.extend(f"      warning: {text}" for text in warnings.get(row, []))
     return lines
 
 

@@ -32,6 +32,11 @@ STYLE = {
     "savefig.dpi": 150,
 }
 INK, GRID_COLOUR = "#202428", "#e2e5e8"
+#: Edges of point domains, on colours from dark to light.
+EDGE_COLOUR = (1.0, 1.0, 1.0, 0.4)
+#: Share of the points at either end of a field that may be left to the ends of the colour scale,
+#: and by how much of the scale they must stick out for that.
+OUTLIERS, STICKING_OUT = 0.002, 0.25
 #: Height of the title of a panel and its ticks, and least width of a panel (inches).
 TITLE, LEAST_WIDTH = 0.42, 1.5
 #: Most residual curves that get a label each.
@@ -48,16 +53,20 @@ def draw_frames(results: Results, steps: Sequence[int] | None = None, field: str
     frames = _chosen_frames(results, steps)
     quantity = FIELDS[field]
     values = [quantity.of(frame) for frame in frames]
-    norm = Normalize(min(v.min() for v in values), max(v.max() for v in values))
+    norm, extend = _colour_limits(values)
     view = _view(frames, results.grid)
     with mpl.rc_context(STYLE):
         figure, axes = _panels(len(frames), view)
         for number, (panel, frame, value) in enumerate(zip(axes, frames, values, strict=False)):
             _draw_grid(panel, results.grid, view)
             cells = PolyCollection(frame.outlines(), array=value, norm=norm, cmap="viridis")
-            edges = INK if len(value) <= MOST_EDGES else "face"
-            cells.set(linewidths=0.15, edgecolors=edges)
+            if len(value) <= MOST_EDGES:
+                cells.set(linewidths=0.25, edgecolors=EDGE_COLOUR)
+            else:
+                # as wide as it takes to hide the seams
+                cells.set(linewidths=0.5, edgecolors="face")
             panel.add_collection(cells)
+            _draw_outline(panel, frame)
             for boundary in frame.boundaries:
                 _draw_boundary(panel, boundary, view)
             letter = f"({chr(97 + number)})  " if len(frames) > 1 else ""
@@ -66,7 +75,7 @@ def draw_frames(results: Results, steps: Sequence[int] | None = None, field: str
         length = results.units.get("length", "")
         figure.supxlabel(_with_unit("x", length), fontsize=9)
         figure.supylabel(_with_unit("y", length), fontsize=9)
-        bar = figure.colorbar(cells, ax=axes, shrink=0.8, aspect=35, pad=0.015)
+        bar = figure.colorbar(cells, ax=axes, shrink=0.8, aspect=35, pad=0.015, extend=extend)
         bar.set_label(_with_unit(quantity.label, results.unit(quantity.source)))
         bar.outline.set_visible(False)
         figure.suptitle(results.title, x=0.01, ha="left", fontsize=10.5)
@@ -167,6 +176,21 @@ def _chosen_frames(results: Results, steps: Sequence[int] | None) -> list[Frame]
     return [results.frame(int(index)) for index in chosen]
 
 
+def _colour_limits(values: list[np.ndarray]) -> tuple[Normalize, str]:
+    """Common limits of the colours, and which ends of the scale stand for more than they say.
+
+    A few points in a corner may carry a multiple of all others: they do not set the scale.
+    """
+    least, most = (float(pick([pick(v) for v in values])) for pick in (np.min, np.max))
+    low = float(min(np.quantile(v, OUTLIERS) for v in values))
+    high = float(max(np.quantile(v, 1.0 - OUTLIERS) for v in values))
+    cuts_low = low - least > STICKING_OUT * (high - low)
+    cuts_high = most - high > STICKING_OUT * (high - low)
+    extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}
+    norm = Normalize(low if cuts_low else least, high if cuts_high else most)
+    return norm, extend[int(cuts_low), int(cuts_high)]
+
+
 def _view(frames: list[Frame], grid: Grid) -> np.ndarray:
     """Lower and upper corner of what is shown: all frames and a margin, (2, 2)."""
     corners = np.concatenate([frame.outlines().reshape(-1, 2) for frame in frames])
@@ -200,6 +224,12 @@ def _draw_grid(panel: Axes, grid: Grid, view: np.ndarray) -> None:
     level = [[(left, y), (right, y)] for y in grid.lines(1) if view[0, 1] <= y <= view[1, 1]]
     lines = LineCollection(upright + level, colors=GRID_COLOUR, linewidths=0.4, zorder=0)
     panel.add_collection(lines)
+
+
+def _draw_outline(panel: Axes, frame: Frame) -> None:
+    """Where a tiled body ends."""
+    edges = frame.outer_edges()
+    panel.add_collection(LineCollection(edges, colors=INK, linewidths=0.6, capstyle="round"))
 
 
 def _draw_boundary(panel: Axes, boundary: Boundary, view: np.ndarray) -> None:

@@ -14,6 +14,8 @@ import h5py
 import numpy as np
 
 T = TypeVar("T")
+#: Data of the history that have no row per step.
+LISTS = ("phase_names", "fixity_names", "warning_rows", "warning_texts")
 #: Attempts to read a file into which a run may be writing, and the pause between them (s).
 ATTEMPTS, PAUSE = 10, 0.1
 
@@ -57,6 +59,11 @@ class Frame:
         return self.data[name]
 
     @property
+    def has_tiles(self) -> bool:
+        """Do the point domains tile the body, with corners in common?"""
+        return "tile" in self.data
+
+    @property
     def gradient(self) -> np.ndarray:
         """Deformation gradient as matrices, (n, 3, 3)."""
         return self.data["deformation_gradient"].reshape(-1, 3, 3)
@@ -64,14 +71,32 @@ class Frame:
     def outlines(self) -> np.ndarray:
         """Corners of the deformed point domains in the plane, (n, 4, 2).
 
-        A domain that was cut where the body ends is drawn as its box, shrunk to its volume.
+        Domains that tile the body are known by their corners; a triangle repeats its third one.
+        Others are boxes; one that was cut where the body ends is drawn shrunk to its volume.
         """
+        if self.has_tiles:
+            return self.data["tile"].reshape(-1, 4, 2)
         box = self.data["domain"][:, :2]
         share = self.data["volume"] / self.data["volume_ratio"] / np.prod(box, axis=1)
         box = box * np.sqrt(np.minimum(share, 1.0))[:, None]
         corners = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
         offsets = np.einsum("pij,pkj->pki", self.gradient[:, :2, :2], box[:, None, :] * corners)
         return self.position[:, None, :2] + offsets
+
+    def outer_edges(self) -> np.ndarray:
+        """Edges of tiles that no other tile has, both ends, (n, 2, 2); none without tiles."""
+        if not self.has_tiles:
+            return np.empty((0, 2, 2))
+        corners = self.outlines()
+        # common corners have the same digits in all tiles
+        places, numbers = np.unique(corners.reshape(-1, 2), axis=0, return_inverse=True)
+        starts = numbers.reshape(-1, 4)
+        edges = np.stack([starts, np.roll(starts, -1, axis=1)], axis=-1).reshape(-1, 2)
+        edges = edges[edges[:, 0] != edges[:, 1]]
+        _, first, count = np.unique(
+            np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True
+        )
+        return places[edges[first[count == 1]]]
 
 
 class Results:
@@ -158,8 +183,22 @@ class Results:
             return {
                 name: column[:n_rows]
                 for name, column in group.items()
-                if not name.endswith("_names")
+                if name not in LISTS
             }
+
+        return self._read(query)
+
+    @property
+    def warnings(self) -> list[tuple[int, str]]:
+        """Warnings of the steps, each with its row in the history."""
+
+        def query(file: h5py.File) -> list[tuple[int, str]]:
+            group = file["history"]
+            if "warning_rows" not in group:
+                return []
+            n_rows = int(group.attrs["n_rows"])
+            pairs = zip(group["warning_rows"], group["warning_texts"], strict=False)
+            return [(int(row), _text(text)) for row, text in pairs if row < n_rows]
 
         return self._read(query)
 

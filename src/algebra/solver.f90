@@ -1,13 +1,17 @@
-!> Direct solution of sparse linear systems: analyse a pattern, factorise values, solve, release.
+!> Solution of sparse linear systems: analyse a pattern, factorise values, solve, release.
+!>
+!> The tangents of Coulter are symmetric or nearly so, and positive definite in most scenes. Then a
+!> Cholesky factorisation of the symmetric part is several times faster than LU: it solves
+!> symmetric systems at once and makes a few iterations of GMRES do for the others. Whenever it is
+!> not enough, LU takes over.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_algebra_solver
-   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_null_ptr, c_ptr
-   use coulter_algebra_sparse, only: multiply, pattern_type
-   use coulter_algebra_umfpack, only: control_refinement_steps, control_scale, control_strategy, &
-      info_numeric_size, info_rcond, n_control, n_info, scale_none, scale_sum, strategy_auto, &
-      strategy_symmetric, system_a, umfpack_di_defaults, umfpack_di_free_numeric, &
-      umfpack_di_free_symbolic, umfpack_di_numeric, umfpack_di_qsymbolic, umfpack_di_solve, &
-      umfpack_di_symbolic
+   use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_null_ptr, c_ptr
+   use coulter_algebra_cholesky, only: cholesky_bytes, cholesky_factorise, cholesky_free, &
+      cholesky_new, cholesky_pivot_ratio, cholesky_solve
+   use coulter_algebra_gmres, only: solve_gmres
+   use coulter_algebra_lu, only: is_accurate, lu_type
+   use coulter_algebra_sparse, only: find_mirror, pattern_type
    use coulter_base_kinds, only: long, wp
    implicit none(type, external)
    private
@@ -15,17 +19,20 @@ module coulter_algebra_solver
 
    !> A factorised matrix. The owner calls `release` before it forgets the solver.
    type :: solver_type
-      private
-      type(c_ptr) :: symbolic = c_null_ptr
-      type(c_ptr) :: numeric = c_null_ptr
-      real(c_double) :: control(n_control) = 0.0_c_double
-      integer(c_int), allocatable :: order(:)
+      !> Is LU used for every system?
+      logical :: is_lu_only = .false.
       !> Bytes that the factors occupy.
-      integer(long), public :: factor_memory = 0
-      !> Solves that needed refinement or another factorisation to be accurate.
-      integer, public :: n_repairs = 0
+      integer(long) :: factor_memory = 0
+      !> Systems that Cholesky could not solve after all, and that LU had to repair.
+      integer :: n_repairs = 0
       !> Smallest over largest pivot of the last matrix: small when it is nearly singular.
-      real(wp), public :: pivot_ratio = 0.0_wp
+      real(wp) :: pivot_ratio = 0.0_wp
+      type(c_ptr), private :: cholesky = c_null_ptr
+      type(lu_type), private :: lu
+      logical, private :: is_lu_analysed = .false., is_lu_factorised = .false.
+      logical, private :: is_symmetric = .false.
+      integer, allocatable, private :: order(:), mirror(:)
+      real(wp), allocatable, private :: symmetric_values(:)
    contains
       procedure :: analyse
       procedure :: factorise
@@ -33,51 +40,30 @@ module coulter_algebra_solver
       procedure :: release
    end type solver_type
 
-   !> Largest accepted backward error |A x - b| / (|A| |x| + |b|), norms by maximum.
-   real(wp), parameter :: accepted_error = 1.0e-13_wp
+   !> Entries that differ from their mirror images by less than this, over the largest entry, come
+   !> from round-off.
+   real(wp), parameter :: symmetry_tolerance = 1.0e-13_wp
+   !> Residual over the right-hand side that is accepted from GMRES: Newton's method stays quadratic
+   !> down to this factor.
+   real(wp), parameter :: gmres_tolerance = 1.0e-6_wp
 
 contains
 
    !> Symbolic factorisation, to be repeated only when the pattern changes.
-   !> The matrix pattern is symmetric and penalties sit on the diagonal: without scaling UMFPACK
-   !> keeps diagonal pivots, which halves the work at the same backward error.
    subroutine analyse(self, pattern, order, has_failed)
       class(solver_type), intent(inout) :: self
-      !> Pattern of the matrix.
+      !> Pattern of the matrix, structurally symmetric.
       type(pattern_type), intent(in) :: pattern
-      !> Elimination order of the columns, zero-based, shape (n); empty: UMFPACK finds one.
+      !> Elimination order of the columns, zero-based, shape (n); empty: one is found.
       integer, intent(in) :: order(:)
       !> Did the analysis fail?
       logical, intent(out) :: has_failed
-      real(c_double) :: info(n_info), no_values(1)
-      integer(c_int) :: status
 
       call self%release()
-      call umfpack_di_defaults(self%control)
-      self%control(control_strategy) = strategy_symmetric
-      self%control(control_scale) = scale_none
-      self%control(control_refinement_steps) = 0.0_c_double
-      self%order = int(order, c_int)
-      no_values = 0.0_c_double
-      if (size(order) == pattern%n .and. pattern%n > 0) then
-         status = umfpack_di_qsymbolic(pattern%n, pattern%n, pattern%column_start, pattern%row, &
-                                       pattern_values(), self%order, self%symbolic, &
-                                       self%control, info)
-      else
-         status = umfpack_di_symbolic(pattern%n, pattern%n, pattern%column_start, pattern%row, &
-                                      pattern_values(), self%symbolic, self%control, info)
-      end if
-      has_failed = status /= 0
-
-   contains
-
-      !> The symmetric strategy looks at the pattern alone, but wants an array.
-      pure function pattern_values() result(values)
-         real(c_double), allocatable :: values(:)
-
-         allocate (values(pattern%n_entries), source=1.0_c_double)
-      end function pattern_values
-
+      self%order = order
+      has_failed = .false.
+      if (.not. self%is_lu_only) call analyse_cholesky(self, pattern)
+      if (.not. c_associated(self%cholesky)) call analyse_lu(self, pattern, has_failed)
    end subroutine analyse
 
    !> Numeric factorisation of the analysed pattern.
@@ -89,21 +75,23 @@ contains
       real(wp), intent(in) :: values(:)
       !> Is the matrix singular or did memory run out? Then `solve` must not be called.
       logical, intent(out) :: has_failed
-      real(c_double) :: info(n_info)
       integer(c_int) :: status
 
-      if (c_associated(self%numeric)) call umfpack_di_free_numeric(self%numeric)
-      status = umfpack_di_numeric(pattern%column_start, pattern%row, values, self%symbolic, &
-                                  self%numeric, self%control, info)
-      has_failed = status /= 0
-      self%pivot_ratio = 0.0_wp
-      if (has_failed) return
-      self%factor_memory = 8*int(info(info_numeric_size), long)
-      self%pivot_ratio = info(info_rcond)
+      self%is_lu_factorised = .false.
+      status = 1
+      if (c_associated(self%cholesky)) then
+         self%symmetric_values = 0.5_wp*(values + values(self%mirror))
+         self%is_symmetric = maxval(abs(values - self%symmetric_values)) &
+            <= symmetry_tolerance*maxval(abs(values))
+         status = cholesky_factorise(self%cholesky, self%symmetric_values)
+         self%factor_memory = cholesky_bytes(self%cholesky)
+         if (status == 0) self%pivot_ratio = cholesky_pivot_ratio(self%cholesky)
+      end if
+      has_failed = .false.
+      if (status /= 0) call factorise_lu(self, pattern, values, has_failed)
    end subroutine factorise
 
-   !> Solve A x = b and check the answer; when it is not accurate, repeat with iterative refinement,
-   !> then with a scaled factorisation.
+   !> Solve A x = b and check the answer.
    subroutine solve(self, pattern, values, b, x, has_failed)
       class(solver_type), intent(inout) :: self
       !> The factorised pattern.
@@ -116,84 +104,72 @@ contains
       real(wp), intent(out) :: x(:)
       !> Is there no accurate solution?
       logical, intent(out) :: has_failed
-      real(c_double) :: control(n_control)
 
-      control = self%control
-      call solve_once(self, pattern, values, b, control, x)
-      has_failed = .not. is_accurate(pattern, values, b, x)
-      if (.not. has_failed) return
-      self%n_repairs = self%n_repairs + 1
-      control(control_refinement_steps) = 2.0_c_double
-      call solve_once(self, pattern, values, b, control, x)
-      has_failed = .not. is_accurate(pattern, values, b, x)
-      if (.not. has_failed) return
-      call solve_scaled(self, pattern, values, b, x, has_failed)
+      if (.not. self%is_lu_factorised) then
+         if (self%is_symmetric) then
+            has_failed = cholesky_solve(self%cholesky, b, x) /= 0
+            if (.not. has_failed) has_failed = .not. is_accurate(pattern, values, b, x)
+         else
+            call solve_gmres(self%cholesky, pattern, values, b, gmres_tolerance, x, has_failed)
+         end if
+         if (.not. has_failed) return
+         self%n_repairs = self%n_repairs + 1
+         call factorise_lu(self, pattern, values, has_failed)
+         if (has_failed) return
+      end if
+      call self%lu%solve(pattern, values, b, x, has_failed)
    end subroutine solve
 
-   !> Free what UMFPACK holds.
+   !> Free what the libraries hold.
    subroutine release(self)
       class(solver_type), intent(inout) :: self
 
-      if (c_associated(self%numeric)) call umfpack_di_free_numeric(self%numeric)
-      if (c_associated(self%symbolic)) call umfpack_di_free_symbolic(self%symbolic)
-      self%numeric = c_null_ptr
-      self%symbolic = c_null_ptr
+      if (c_associated(self%cholesky)) call cholesky_free(self%cholesky)
+      self%cholesky = c_null_ptr
+      call self%lu%release()
+      self%is_lu_analysed = .false.
+      self%is_lu_factorised = .false.
    end subroutine release
 
-   !> Forward and back substitution.
-   subroutine solve_once(self, pattern, values, b, control, x)
-      type(solver_type), intent(in) :: self
+   !> Analyse the pattern for Cholesky; without success there is no handle.
+   subroutine analyse_cholesky(self, pattern)
+      type(solver_type), intent(inout) :: self
       type(pattern_type), intent(in) :: pattern
-      real(wp), intent(in) :: values(:), b(:)
-      real(c_double), intent(in) :: control(n_control)
-      real(wp), intent(out) :: x(:)
-      real(c_double) :: info(n_info)
-      integer(c_int) :: status
 
-      status = umfpack_di_solve(system_a, pattern%column_start, pattern%row, values, x, b, &
-                                self%numeric, control, info)
-      if (status /= 0) x = huge(x)
-   end subroutine solve_once
-
-   !> The last resort: full pivoting freedom, row scaling and refinement, used once and thrown away.
-   subroutine solve_scaled(self, pattern, values, b, x, has_failed)
-      type(solver_type), intent(in) :: self
-      type(pattern_type), intent(in) :: pattern
-      real(wp), intent(in) :: values(:), b(:)
-      real(wp), intent(out) :: x(:)
-      logical, intent(out) :: has_failed
-      type(solver_type) :: scaled
-      real(c_double) :: info(n_info)
-      integer(c_int) :: status
-
-      x = 0.0_wp
-      scaled%control = self%control
-      scaled%control(control_strategy) = strategy_auto
-      scaled%control(control_scale) = scale_sum
-      scaled%control(control_refinement_steps) = 2.0_c_double
-      status = umfpack_di_symbolic(pattern%n, pattern%n, pattern%column_start, pattern%row, &
-                                   values, scaled%symbolic, scaled%control, info)
-      has_failed = status /= 0
-      if (.not. has_failed) call scaled%factorise(pattern, values, has_failed)
-      if (.not. has_failed) then
-         call solve_once(scaled, pattern, values, b, scaled%control, x)
-         has_failed = .not. is_accurate(pattern, values, b, x)
+      if (pattern%n == 0) return
+      call find_mirror(pattern, self%mirror)
+      if (size(self%mirror) == 0) return
+      if (size(self%order) == pattern%n) then
+         self%cholesky = cholesky_new(pattern%n, pattern%column_start, pattern%row, self%order)
+      else
+         self%cholesky = cholesky_new(pattern%n, pattern%column_start, pattern%row)
       end if
-      call scaled%release()
-   end subroutine solve_scaled
+   end subroutine analyse_cholesky
 
-   !> Is the backward error small? False also for NaN, which `maxval` would pass over.
-   pure function is_accurate(pattern, values, b, x) result(answer)
+   !> Analyse the pattern for LU.
+   subroutine analyse_lu(self, pattern, has_failed)
+      type(solver_type), intent(inout) :: self
       type(pattern_type), intent(in) :: pattern
-      real(wp), intent(in) :: values(:), b(:), x(:)
-      logical :: answer
-      real(wp) :: product(size(b))
+      logical, intent(out) :: has_failed
 
-      answer = all(abs(x) < huge(x))
-      if (.not. answer) return
-      call multiply(pattern, values, x, product)
-      answer = all(abs(product - b) &
-                   <= accepted_error*(maxval(abs(values))*maxval(abs(x)) + maxval(abs(b))))
-   end function is_accurate
+      call self%lu%analyse(pattern, self%order, has_failed)
+      self%is_lu_analysed = .not. has_failed
+   end subroutine analyse_lu
+
+   !> Factorise by LU.
+   subroutine factorise_lu(self, pattern, values, has_failed)
+      type(solver_type), intent(inout) :: self
+      type(pattern_type), intent(in) :: pattern
+      real(wp), intent(in) :: values(:)
+      logical, intent(out) :: has_failed
+
+      has_failed = .false.
+      if (.not. self%is_lu_analysed) call analyse_lu(self, pattern, has_failed)
+      if (has_failed) return
+      call self%lu%factorise(pattern, values, has_failed)
+      self%is_lu_factorised = .not. has_failed
+      self%factor_memory = self%lu%factor_memory
+      self%pivot_ratio = self%lu%pivot_ratio
+   end subroutine factorise_lu
 
 end module coulter_algebra_solver

@@ -6,6 +6,7 @@ module coulter_algebra_sparse
    implicit none(type, external)
    private
    public :: element_dofs_type, pattern_type, build_pattern, add_element_matrix, multiply
+   public :: find_mirror
 
    !> The unknowns that every element couples, in ragged rows.
    type :: element_dofs_type
@@ -126,6 +127,30 @@ contains
          if (entry > 0) values(entry) = values(entry) + matrix(k)
       end do
    end subroutine add_element_matrix
+
+   !> Entry at the mirrored place of every entry; empty if the pattern is not symmetric.
+   pure subroutine find_mirror(pattern, mirror)
+      !> The pattern, rows ascending in every column.
+      type(pattern_type), intent(in) :: pattern
+      !> Mirrored entries, from 1, shape (n_entries) or (0).
+      integer, allocatable, intent(out) :: mirror(:)
+      integer :: next(pattern%n), column, k, row
+
+      allocate (mirror(pattern%n_entries))
+      next = pattern%column_start(:pattern%n) + 1
+      ! going through the columns in order meets the rows of every other column in order
+      do column = 1, pattern%n
+         do k = pattern%column_start(column) + 1, pattern%column_start(column + 1)
+            row = pattern%row(k) + 1
+            mirror(k) = next(row)
+            if (next(row) > pattern%column_start(row + 1)) exit
+            if (pattern%row(next(row)) + 1 /= column) exit
+            next(row) = next(row) + 1
+         end do
+         if (k <= pattern%column_start(column + 1)) exit
+      end do
+      if (column <= pattern%n) mirror = mirror(:0)
+   end subroutine find_mirror
 
    !> Matrix times vector, y = A x.
    pure subroutine multiply(pattern, values, x, y)

@@ -5,7 +5,7 @@ module coulter_base_text
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: to_text, lower_case
+   public :: to_text, last_of_line, lower_case
 
    !> Shortest readable text of a number, without blanks around it.
    interface to_text
@@ -13,6 +13,19 @@ module coulter_base_text
    end interface to_text
 
 contains
+
+   !> Where the line ends that begins at a place, without its line break.
+   pure function last_of_line(text, first) result(last)
+      !> Lines.
+      character(len=*), intent(in) :: text
+      !> First character of the line.
+      integer, intent(in) :: first
+      integer :: last
+
+      last = index(text(first:), new_line("a"))
+      if (last == 0) last = len(text) - first + 2
+      last = last + first - 2
+   end function last_of_line
 
    !> Decimal text of an integer.
    pure function integer_to_text(number) result(text)

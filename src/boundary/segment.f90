@@ -5,7 +5,7 @@ module coulter_boundary_segment
    use coulter_grid, only: grid_type
    implicit none(type, external)
    private
-   public :: segment_type, new_segment, cut_segment
+   public :: segment_type, new_segment, cut_segment, lies_on
 
    !> A segment with the material on its left.
    type :: segment_type
@@ -48,6 +48,23 @@ contains
 
       position = self%first + distance*self%tangent
    end function position_at
+
+   !> Does an edge lie on a segment?
+   pure function lies_on(segment, ends, tolerance) result(answer)
+      !> The segment.
+      type(segment_type), intent(in) :: segment
+      !> Ends of the edge, length units.
+      real(wp), intent(in) :: ends(2, 2)
+      !> Largest accepted distance, length units.
+      real(wp), intent(in) :: tolerance
+      logical :: answer
+      real(wp) :: offset(2, 2), distance(2)
+
+      offset = ends - spread(segment%first, 2, 2)
+      distance = matmul(segment%tangent, offset)
+      answer = all(abs(matmul(segment%normal, offset)) <= tolerance) .and. &
+         all(distance >= -tolerance .and. distance <= segment%length + tolerance)
+   end function lies_on
 
    !> Cut a segment at the grid lines, so that each piece lies in one cell.
    pure subroutine cut_segment(segment, grid, from, to)

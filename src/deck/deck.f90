@@ -11,7 +11,7 @@ module coulter_deck
    use coulter_deck_boundaries, only: read_boundaries, read_fixities
    use coulter_deck_document, only: deck_type, describe_faults
    use coulter_deck_file, only: read_text
-   use coulter_deck_loads, only: read_body_force, read_steps, read_tables
+   use coulter_deck_loads, only: read_body_force, read_edge_loads, read_steps, read_tables
    use coulter_deck_names, only: check_names
    use coulter_deck_reference, only: write_deck_reference
    use coulter_deck_scan, only: scan_deck
@@ -77,6 +77,7 @@ contains
       n_steps = size(model%schedule%end_time)
       call read_tables(deck, model%tables)
       call read_body_force(deck, model%body_force)
+      call read_edge_loads(deck, model%control%domains, model%edge_loads)
       call read_fixities(deck, model%grid, model%fixities)
       call read_boundaries(deck, n_steps, model%control%domains, model%boundaries)
       call read_output(deck, n_steps, output)

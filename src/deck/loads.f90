@@ -4,14 +4,16 @@ module coulter_deck_loads
    use coulter_base_kinds, only: wp
    use coulter_base_table, only: new_table, table_type
    use coulter_base_text, only: to_text
+   use coulter_boundary_edge_load, only: edge_load_type
    use coulter_deck_document, only: blame, deck_type, first_group, find_groups
+   use coulter_deck_outline, only: new_polyline
    use coulter_deck_references, only: check_unique_names, get_reference
    use coulter_deck_values, only: get_list, get_value, is_given
    use coulter_model, only: body_force_type
-   use coulter_model_control, only: schedule_type
+   use coulter_model_control, only: domains_tiles, schedule_type
    implicit none(type, external)
    private
-   public :: read_steps, read_tables, read_body_force
+   public :: read_steps, read_tables, read_body_force, read_edge_loads
 
 contains
 
@@ -43,6 +45,55 @@ contains
          schedule%end_time = [(real(i, wp)/real(n, wp), i=1, n)]
       end if
    end subroutine read_steps
+
+   !> All loads on the edges of bodies.
+   subroutine read_edge_loads(deck, domains, loads)
+      !> Scanned deck, which notes faults.
+      type(deck_type), intent(inout) :: deck
+      !> What a point stands for: one of `domains_*`.
+      integer, intent(in) :: domains
+      !> Loads in the order of the deck.
+      type(edge_load_type), allocatable, intent(out) :: loads(:)
+      integer, allocatable :: groups(:)
+      integer :: i
+
+      call check_unique_names(deck, "edge_load")
+      call find_groups(deck, "edge_load", groups)
+      allocate (loads(size(groups)))
+      do i = 1, size(groups)
+         call read_edge_load(deck, groups(i), loads(i))
+         if (domains == domains_tiles) cycle
+         call blame(deck, groups(i), "", "needs domains = 'cpdi2', whose tiles have edges")
+      end do
+   end subroutine read_edge_loads
+
+   !> One load on edges.
+   subroutine read_edge_load(deck, group, load)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      type(edge_load_type), intent(out) :: load
+      character(len=:), allocatable :: message
+      real(wp), allocatable :: list(:)
+      logical :: has_traction, has_pressure
+
+      load%name = ""
+      call get_value(deck, group, "name", load%name)
+      call get_value(deck, group, "traction", load%traction)
+      call get_value(deck, group, "pressure", load%pressure)
+      call get_reference(deck, group, "table", load%table)
+      call get_list(deck, group, "vertices", list)
+      if (allocated(list)) then
+         call new_polyline(list, load%vertices, message)
+         if (message /= "") call blame(deck, group, "vertices", message)
+      end if
+      has_traction = is_given(deck, group, "traction")
+      has_pressure = is_given(deck, group, "pressure")
+      if (has_traction .and. has_pressure) then
+         call blame(deck, group, "pressure", "stands beside `traction`; give one of them")
+      else if (.not. (has_traction .or. has_pressure .or. deck%groups(group)%is_broken)) then
+         call blame(deck, group, "", "needs either `traction` or `pressure`")
+      end if
+   end subroutine read_edge_load
 
    !> All tables.
    subroutine read_tables(deck, tables)

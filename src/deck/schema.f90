@@ -38,7 +38,7 @@ module coulter_deck_schema
       !> Default as written in a deck, `required`, or a remark in parentheses.
       character(len=20) :: default
       !> Conditions such as "> 0 <= 1", or the words of a choice; empty if all is allowed.
-      character(len=26) :: range
+      character(len=36) :: range
       !> What it means.
       character(len=110) :: meaning
    end type variable_rule_type
@@ -58,6 +58,8 @@ module coulter_deck_schema
       group_rule_type("fixity", "any number", "Zero displacement at grid nodes."), &
       group_rule_type("boundary", "any number", &
                       "An implicit boundary: a polyline that need not match the grid."), &
+      group_rule_type("edge_load", "any number", &
+                      "A traction or pressure on edges of bodies; needs cpdi2."), &
       group_rule_type("body_force", "0 or 1", "A force per unit mass, such as gravity."), &
       group_rule_type("table", "any number", &
                       "A factor over time, linear between its times and constant beyond."), &
@@ -135,12 +137,13 @@ module coulter_deck_schema
       variable_rule_type("boundary", "table", "text", 1, 1, "", "(ramp)", "", &
          "name of the table that schedules the displacement; else proportional to time"), &
       variable_rule_type("boundary", "formulation", "choice", 1, 1, "", "(by domains)", &
-         "nitsche implicit penalty", "`nitsche` for cpdi2; for mpm `implicit`, the paper's " &
-         //"K2 + K2^T + K3, or `penalty`, K3 alone"), &
+         "nitsche augmented implicit penalty", "cpdi2: `nitsche`, or `augmented` Lagrangian; " &
+         //"mpm: `implicit`, the paper's K2 + K2^T + K3, or `penalty`, K3"), &
       variable_rule_type("boundary", "bilateral", "logical", 1, 1, "", ".false.", "", &
-         "with `nitsche`: is material that starts on the boundary held against pulling off?"), &
-      variable_rule_type("boundary", "band_ratio", "real", 1, 1, "", "(0.1, mpm: 5.0e-6)", &
-         "> 0 <= 1", "penalty band over the grid spacing; at most 0.01 with `implicit`"), &
+         "cpdi2: is material that starts on the boundary held against pulling off?"), &
+      variable_rule_type("boundary", "band_ratio", "real", 1, 1, "", "(by formulation)", &
+         "> 0 <= 1", "penalty band over the spacing: 0.1 nitsche, 0.02 augmented, " &
+         //"5.0e-6 implicit (at most 0.01), penalty"), &
       variable_rule_type("boundary", "gauss_points", "integer", 1, 1, "", "(2)", ">= 1 <= 3", &
          "mpm: per segment and cell; one misses uniform stress, more lock in bending"), &
       variable_rule_type("boundary", "memory", "logical", 1, 1, "", "(.false.)", "", &
@@ -149,6 +152,16 @@ module coulter_deck_schema
          "may the boundary start away from all material?")]
 
    type(variable_rule_type), parameter :: step_rules(*) = [ &
+      variable_rule_type("edge_load", "name", "text", 1, 1, "", required, "", &
+         "name for messages"), &
+      variable_rule_type("edge_load", "vertices", "real", 4, 1000, "length", required, "", &
+         "corners x1, y1, x2, y2, ... of a polyline; edges on it at the start carry the load"), &
+      variable_rule_type("edge_load", "traction", "real", 2, 2, "stress", "(or pressure)", "", &
+         "dead load per undeformed area at a table value of 1; keeps its direction"), &
+      variable_rule_type("edge_load", "pressure", "real", 1, 1, "stress", "(or traction)", "", &
+         "follower load on the deformed edge at a table value of 1, positive when it pushes"), &
+      variable_rule_type("edge_load", "table", "text", 1, 1, "", "(ramp)", "", &
+         "name of the table that schedules it; else proportional to time"), &
       variable_rule_type("body_force", "acceleration", "real", 2, 2, "length/time^2", required, &
          "", "acceleration at a table value of 1"), &
       variable_rule_type("body_force", "table", "text", 1, 1, "", "(ramp)", "", &
@@ -168,13 +181,17 @@ module coulter_deck_schema
       variable_rule_type("control", "domains", "choice", 1, 1, "", "'cpdi2'", "cpdi2 mpm", &
          "points own polygons that tile the body, or are mere quadrature points"), &
       variable_rule_type("control", "hourglass", "real", 1, 1, "", "0.5", ">= 0 <= 1", &
-         "cpdi2: stiffness against hourglass modes of tiles, 1 for that of full integration"), &
+         "cpdi2: stiffness against hourglass modes of tiles, 1 is exact for squares in bending"), &
       variable_rule_type("control", "ghost_penalty", "real", 1, 1, "", "1.0e-3", ">= 0 <= 0.1", &
          "cpdi2: stabilisation near the outline over the shear modulus"), &
+      variable_rule_type("control", "solver", "choice", 1, 1, "", "'auto'", "auto umfpack", &
+         "`auto` takes Cholesky where it works and LU elsewhere, `umfpack` always LU"), &
       variable_rule_type("control", "tolerance", "real", 1, 1, "", "1.0e-8", "> 0 < 1", &
          "largest accepted residual norm over the norm of the internal or external force"), &
       variable_rule_type("control", "increment_tolerance", "real", 1, 1, "", "1.0e-11", &
          "> 0 < 1", "largest accepted Newton correction over the displacement of the step"), &
+      variable_rule_type("control", "augmentations", "integer", 1, 1, "", "1", ">= 0 <= 20", &
+         "updates of `augmented` boundaries in a step"), &
       variable_rule_type("control", "max_iterations", "integer", 1, 1, "", "25", &
          ">= 1 <= 1000", "Newton iterations before a step counts as failed"), &
       variable_rule_type("control", "max_halvings", "integer", 1, 1, "", "6", ">= 0 <= 30", &

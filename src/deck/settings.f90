@@ -91,9 +91,13 @@ contains
       call get_value(deck, group, "ghost_penalty", control%ghost_ratio)
       call get_value(deck, group, "tolerance", control%tolerance)
       call get_value(deck, group, "increment_tolerance", control%increment_tolerance)
+      call get_value(deck, group, "augmentations", control%n_augmentations)
       call get_value(deck, group, "max_iterations", control%max_iterations)
       call get_value(deck, group, "max_halvings", control%max_halvings)
       call get_value(deck, group, "fill_tolerance", control%fill_tolerance)
+      choice = merge(2, 1, control%is_lu_only)
+      call get_choice(deck, group, "solver", choice)
+      control%is_lu_only = choice == 2
       choice = findloc(treatments, control%small_cells, dim=1)
       call get_choice(deck, group, "small_cells", choice)
       control%small_cells = treatments(choice)

@@ -29,15 +29,19 @@ module coulter_model_control
    type :: control_type
       !> What a point stands for: one of `domains_*`.
       integer :: domains = domains_points
-      !> Hourglass stiffness of tiles over that of an exactly integrated quadrilateral.
+      !> Hourglass stiffness of tiles over the one that is exact for a square in bending.
       real(wp) :: hourglass_ratio = 0.5_wp
       !> Ghost penalty over the shear modulus, on cell faces near the outline of tiled bodies.
       real(wp) :: ghost_ratio = 1.0e-3_wp
+      !> Are all systems solved by LU, symmetric ones as well?
+      logical :: is_lu_only = .false.
       !> Largest accepted residual norm over the norm of the internal or external force.
       real(wp) :: tolerance = 1.0e-8_wp
       !> Largest accepted Newton correction over the largest displacement increment of the step;
       !> passing this test alone is enough.
       real(wp) :: increment_tolerance = 1.0e-11_wp
+      !> Augmented Lagrangian updates in a step, for boundaries that use them.
+      integer :: n_augmentations = 1
       !> Newton iterations before a step counts as failed.
       integer :: max_iterations = 25
       !> How often a failed step may be halved.

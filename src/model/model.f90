@@ -4,6 +4,7 @@ module coulter_model
    use coulter_base_kinds, only: wp
    use coulter_base_table, only: table_type
    use coulter_boundary, only: boundary_type
+   use coulter_boundary_edge_load, only: edge_load_type
    use coulter_grid, only: grid_type
    use coulter_law, only: law_item_type
    use coulter_model_control, only: control_type, schedule_type
@@ -61,6 +62,8 @@ module coulter_model
       type(fixity_type), allocatable :: fixities(:)
       !> Implicit boundaries.
       type(boundary_type), allocatable :: boundaries(:)
+      !> Loads on the edges of tiled bodies.
+      type(edge_load_type), allocatable :: edge_loads(:)
       !> Tables that schedule loads.
       type(table_type), allocatable :: tables(:)
       !> Gravity or another acceleration.

@@ -64,7 +64,7 @@ module coulter_model_observer
       real(wp), allocatable :: penetrations(:)
       !> Length of every boundary that acts on material, length units, shape (n_boundaries).
       real(wp), allocatable :: loaded_lengths(:)
-      !> Total body force on the material, force per thickness, shape (2).
+      !> Total external force on the material: body force and edge loads, force per thickness.
       real(wp) :: body_force(2) = 0.0_wp
       !> Cells, nodes and unknowns in this step.
       integer :: n_cells = 0, n_nodes = 0, n_dofs = 0
@@ -118,15 +118,17 @@ module coulter_model_observer
          type(error_type), allocatable, intent(out) :: error
       end subroutine step_interface
 
-      !> Called once at the end, also after a failure.
-      subroutine finish_interface(self, model, failure)
-         import :: error_type, model_type, observer_type
+      !> Called once at the end, also after a failure, be it one of `start`.
+      subroutine finish_interface(self, model, failure, phase_seconds)
+         import :: error_type, model_type, n_phases, observer_type, wp
          implicit none (type, external)
          class(observer_type), intent(inout) :: self
          !> The model as it was last accepted.
          type(model_type), intent(in) :: model
          !> Why the run ended early; unallocated when it reached its end.
          type(error_type), allocatable, intent(in) :: failure
+         !> Wall time by phase since the last report, seconds: its output and failed attempts.
+         real(wp), intent(in) :: phase_seconds(n_phases)
       end subroutine finish_interface
    end interface
 

@@ -2,9 +2,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_model_observer_list
    use coulter_base_error, only: error_type
+   use coulter_base_kinds, only: wp
    use coulter_model, only: model_type
-   use coulter_model_observer, only: observer_item_type, observer_type, scene_report_type, &
-      step_report_type
+   use coulter_model_observer, only: n_phases, observer_item_type, observer_type, &
+      scene_report_type, step_report_type
    implicit none(type, external)
    private
    public :: observer_list_type
@@ -14,6 +15,8 @@ module coulter_model_observer_list
       private
       !> The members.
       type(observer_item_type), allocatable :: members(:)
+      !> Members that were told of the start, also if they failed in it.
+      integer :: n_started = 0
    contains
       procedure :: add => add_observer
       procedure :: start => start_all
@@ -54,6 +57,7 @@ contains
 
       if (.not. allocated(self%members)) return
       do i = 1, size(self%members)
+         self%n_started = i
          call self%members(i)%observer%start(model, scene, error)
          if (allocated(error)) return
       end do
@@ -77,18 +81,19 @@ contains
       end do
    end subroutine step_done_all
 
-   !> See `observer_type`.
-   subroutine finish_all(self, model, failure)
+   !> See `observer_type`; members that were never started hear nothing.
+   subroutine finish_all(self, model, failure, phase_seconds)
       class(observer_list_type), intent(inout) :: self
       !> The model as it was last accepted.
       type(model_type), intent(in) :: model
       !> Why the run ended early; unallocated when it reached its end.
       type(error_type), allocatable, intent(in) :: failure
+      !> Wall time by phase since the last report, seconds: its output and failed attempts.
+      real(wp), intent(in) :: phase_seconds(n_phases)
       integer :: i
 
-      if (.not. allocated(self%members)) return
-      do i = 1, size(self%members)
-         call self%members(i)%observer%finish(model, failure)
+      do i = 1, self%n_started
+         call self%members(i)%observer%finish(model, failure, phase_seconds)
       end do
    end subroutine finish_all
 

@@ -5,7 +5,8 @@ module coulter_model_prepare
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: area_and_centroid, overlap_area, polyline_distance
    use coulter_base_text, only: to_text
-   use coulter_boundary, only: formulation_implicit
+   use coulter_boundary, only: boundary_type, formulation_implicit, kind_fixed
+   use coulter_boundary_edge_load, only: find_loaded_edges, loaded_edge_type
    use coulter_model, only: model_type
    use coulter_model_control, only: domains_tiles
    use coulter_points_seeding, only: seed_initial_stress, seed_points, seed_tiles
@@ -49,6 +50,7 @@ contains
       if (faults%n_faults > known_faults) return
       call seed_model(model)
       if (model%points%n_points == 0) call faults%add("region", 0, "", "no region holds material")
+      if (allocated(model%tiling)) call check_edge_loads(model, faults)
    end subroutine prepare_model
 
    !> All regions in one list.
@@ -127,9 +129,15 @@ contains
                call faults%add("boundary", b, "vertices", "two corners in a row coincide")
                cycle
             end if
-            if (boundary%formulation == formulation_implicit .and. boundary%has_coupling_term &
-                .and. largest_stiffness_ratio(model) > nearly_incompressible .and. &
-                boundary%band_ratio*largest_stiffness_ratio(model) > widest_yielding_band) then
+            if ((boundary%formulation == formulation_implicit) &
+                .eqv. (model%control%domains == domains_tiles)) then
+               call faults%add("boundary", b, "formulation", "does not suit the domains of the" &
+                               //" points: 'nitsche' or 'augmented' for tiles, else 'implicit'")
+            else if (boundary%kind == kind_fixed .and. .not. boundary%is_bilateral &
+                     .and. model%control%domains == domains_tiles) then
+               call faults%add("boundary", b, "bilateral", "a fixed boundary must be bilateral")
+            end if
+            if (is_too_soft(model, boundary)) then
                call faults%add("boundary", b, "", "band_ratio = "//to_text(boundary%band_ratio) &
                                //" is too wide for material that is nearly incompressible:" &
                                //" formulation 'implicit' needs a band_ratio of at most " &
@@ -149,6 +157,18 @@ contains
          end associate
       end do
    end subroutine check_boundaries
+
+   !> Is the band of the implicit boundary method too wide for nearly incompressible material?
+   pure function is_too_soft(model, boundary) result(answer)
+      type(model_type), intent(in) :: model
+      type(boundary_type), intent(in) :: boundary
+      logical :: answer
+      real(wp) :: ratio
+
+      ratio = largest_stiffness_ratio(model)
+      answer = boundary%formulation == formulation_implicit .and. boundary%has_coupling_term &
+         .and. ratio > nearly_incompressible .and. boundary%band_ratio*ratio > widest_yielding_band
+   end function is_too_soft
 
    !> Largest ratio of the confined to the shear modulus among the laws.
    pure function largest_stiffness_ratio(model) result(ratio)
@@ -175,6 +195,20 @@ contains
          length = min(length, norm2(vertices(:, s + 1) - vertices(:, s)))
       end do
    end function shortest_segment
+
+   !> Every load must find an edge to act on.
+   subroutine check_edge_loads(model, faults)
+      type(model_type), intent(in) :: model
+      type(fault_list_type), intent(inout) :: faults
+      type(loaded_edge_type), allocatable :: edges(:)
+      integer :: load
+
+      call find_loaded_edges(edges, model%edge_loads, model%tiling, model%grid%smallest_spacing())
+      do load = 1, size(model%edge_loads)
+         if (any(edges%load == load)) cycle
+         call faults%add("edge_load", load, "vertices", "no edge of a body lies on this polyline")
+      end do
+   end subroutine check_edge_loads
 
    !> The box of a fixity must meet the grid.
    subroutine check_fixities(model, faults)

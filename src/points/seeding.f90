@@ -17,8 +17,11 @@ module coulter_points_seeding
    !> and their position would be round-off.
    real(wp), parameter :: smallest_share = 1.0e-10_wp
 
-   !> Corners of tiles nearer than this share of a sub-cell are one.
+   !> Corners of a domain nearer than this share of a sub-cell are one.
    real(wp), parameter :: corner_tolerance = 1.0e-7_wp
+   !> Corners of different tiles nearer than this share of that are one: so much less that no tile
+   !> loses a corner by it.
+   real(wp), parameter :: merge_share = 0.25_wp
 
    !> Points found so far, in arrays that grow. Corners are kept only when domains shall tile.
    type :: seed_list_type
@@ -66,7 +69,8 @@ contains
       call seed_bodies(seeds, grid, bodies)
       call collect_points(points, seeds, n_state)
       call new_tiling(tiling, seeds%vertices(:, :, :seeds%n), &
-                      corner_tolerance*grid%smallest_spacing())
+                      merge_share*corner_tolerance*grid%smallest_spacing() &
+                      /real(maxval(bodies%points_per_cell), wp))
    end subroutine seed_tiles
 
    !> Seed all regions of all bodies.

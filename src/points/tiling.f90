@@ -9,7 +9,8 @@ module coulter_points_tiling
    use coulter_base_polygon, only: area_and_centroid
    implicit none(type, external)
    private
-   public :: tiling_type, new_tiling, corner_gradients, corner_weights, tile_centroid
+   public :: tiling_type, new_tiling, corner_gradients, corner_weights, tile_centroid, &
+      tile_outlines
 
    !> Tiles and their corners; tile p is the domain of point p.
    type :: tiling_type
@@ -104,7 +105,21 @@ contains
       call area_and_centroid(corner, area, centroid)
    end function tile_centroid
 
-   !> Gamma = (h - (h.X) g)/4 with h = (1, -1, 1, -1); zero for triangles.
+   !> Corners of every tile, x1 y1 .. x4 y4, counter-clockwise; a triangle repeats its third one.
+   pure function tile_outlines(tiling) result(outline)
+      !> Tiles in their present position.
+      type(tiling_type), intent(in) :: tiling
+      real(wp), allocatable :: outline(:, :)
+      integer :: p
+
+      allocate (outline(8, size(tiling%corner, 2)))
+      do p = 1, size(outline, 2)
+         outline(:, p) = reshape(tiling%position(:, tiling%corner(:, p)), [8])
+      end do
+   end function tile_outlines
+
+   !> Gamma = (h - (h.X) g)/4 with h = (1, -1, 1, -1). In triangles it sees nothing: the shares of
+   !> the repeated corner cancel, the others vanish.
    pure function hourglass_vector(corner) result(gamma)
       real(wp), intent(in) :: corner(2, 4)
       real(wp) :: gamma(4)

@@ -7,9 +7,9 @@ module coulter_results_frames
    use coulter_base_kinds, only: long, wp
    use coulter_model, only: model_type
    use coulter_model_output, only: output_type
-   use coulter_points, only: points_type
    use coulter_points_fields, only: cauchy_stress, elastic_strain, full_gradient, n_symmetric, &
       n_tensor, space_vector
+   use coulter_points_tiling, only: tile_outlines
    use coulter_results_hdf5_io, only: hdf5_file_type, kind_integer, kind_real, kind_single
    implicit none(type, external)
    private
@@ -83,7 +83,7 @@ contains
       integer :: n_chunks
 
       frame = int(frames%n_frames, long)
-      call put_points(frames, file, model%points)
+      call put_points(frames, file, model)
       call put_connectivity(frames, file, model%points%n_points)
       call put_step(file, frame, int(model%points%n_points, long), frames%next_row, model%time)
       call file%put_integers("frames/step", frame, 1, [int(step, long)])
@@ -176,6 +176,11 @@ contains
                      "current volume, per unit thickness in plane strain", square(model))
       call add_field(point_data//"domain", [3], &
                      "edges of the box around the undeformed point domain", model%units%length)
+      if (allocated(model%tiling)) then
+         call add_field(point_data//"tile", [8], &
+                        "corners of the deformed point domain, x1 y1 .. x4 y4, counter-clockwise", &
+                        model%units%length)
+      end if
       call file%add_rows(point_data//"body", kind_integer, [integer ::], frames%rows_per_chunk, &
                          frames%compression)
       call file%describe(point_data//"body", "number of the body, from 1")
@@ -195,14 +200,14 @@ contains
    end subroutine add_point_data
 
    !> Write the rows of all points.
-   subroutine put_points(frames, file, points)
+   subroutine put_points(frames, file, model)
       type(frames_type), intent(in) :: frames
       type(hdf5_file_type), intent(inout) :: file
-      type(points_type), intent(in) :: points
+      type(model_type), intent(in) :: model
       integer :: n
 
-      n = points%n_points
-      associate (row => frames%next_row, state => points%converged)
+      n = model%points%n_points
+      associate (row => frames%next_row, points => model%points, state => model%points%converged)
          call file%put_reals("VTKHDF/Points", row, 3*n, space_vector(points%position))
          call file%put_reals(point_data//"displacement", row, 3*n, &
                              space_vector(points%displacement))
@@ -216,6 +221,9 @@ contains
          call file%put_reals(point_data//"volume", row, n, &
                              points%volume_ratio*points%reference_volume)
          call file%put_reals(point_data//"domain", row, 3*n, space_vector(points%domain_size))
+         if (allocated(model%tiling)) then
+            call file%put_reals(point_data//"tile", row, 8*n, tile_outlines(model%tiling))
+         end if
          call file%put_integers(point_data//"body", row, n, int(points%body, long))
       end associate
    end subroutine put_points

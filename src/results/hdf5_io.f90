@@ -17,7 +17,7 @@ module coulter_results_hdf5_io
       h5t_std_i64le, h5t_str_nullpad_f, hid_t, hsize_t, size_t
    implicit none(type, external)
    private
-   public :: hdf5_file_type, kind_real, kind_single, kind_integer
+   public :: hdf5_file_type, kind_real, kind_single, kind_integer, kind_text
 
    !> Stored as 64-bit reals.
    integer, parameter :: kind_real = 1
@@ -25,6 +25,11 @@ module coulter_results_hdf5_io
    integer, parameter :: kind_single = 2
    !> Stored as 64-bit integers.
    integer, parameter :: kind_integer = 3
+   !> Stored as texts of `text_width` bytes.
+   integer, parameter :: kind_text = 4
+
+   !> Bytes of a text in a dataset that grows by rows.
+   integer, parameter :: text_width = 256
 
    !> Most dimensions of a dataset.
    integer, parameter :: max_rank = 3
@@ -48,6 +53,7 @@ module coulter_results_hdf5_io
       procedure :: describe
       procedure :: put_integers
       procedure :: put_reals
+      procedure :: put_text
       procedure :: put_texts
       procedure :: set_integers
       procedure :: set_text
@@ -140,7 +146,7 @@ contains
       class(hdf5_file_type), intent(inout) :: self
       !> Path of the dataset in the file; its group exists.
       character(len=*), intent(in) :: name
-      !> Stored number format: one of `kind_*`.
+      !> Stored format: one of `kind_*`.
       integer, intent(in) :: kind
       !> Shape of a row, at most two dimensions.
       integer, intent(in) :: row_shape(:)
@@ -148,8 +154,8 @@ contains
       integer, intent(in) :: rows_per_chunk
       !> 0 (none) to 9. Only rows that start on a chunk are safe with it.
       integer, intent(in), optional :: compression
-      integer(hid_t) :: space, list, dataset
-      integer :: rank, codes(8)
+      integer(hid_t) :: space, list, dataset, type_id
+      integer :: rank, codes(10)
 
       if (self%has_failed) return
       codes = 0
@@ -159,10 +165,12 @@ contains
       call h5pcreate_f(h5p_dataset_create_f, list, codes(2))
       call h5pset_chunk_f(list, rank, int([max(row_shape, 1), rows_per_chunk], hsize_t), codes(3))
       if (present(compression)) call set_compression(list, compression, codes(4))
-      call h5dcreate_f(self%id, name, stored_type(kind), space, dataset, codes(5), list)
+      call new_stored_type(type_id, kind, codes(9))
+      call h5dcreate_f(self%id, name, type_id, space, dataset, codes(5), list)
       call h5dclose_f(dataset, codes(6))
       call h5pclose_f(list, codes(7))
       call h5sclose_f(space, codes(8))
+      call h5tclose_f(type_id, codes(10))
       call self%note(codes)
    end subroutine add_rows
 
@@ -215,6 +223,27 @@ contains
       call self%put_rows(name, first_row, n_values, h5kind_to_type(long, h5_integer_kind), &
                          c_loc(values))
    end subroutine put_integers
+
+   !> Write a row that is a text; the dataset grows as needed.
+   subroutine put_text(self, name, row, text)
+      class(hdf5_file_type), intent(inout) :: self
+      !> Path of the dataset, made with `kind_text`.
+      character(len=*), intent(in) :: name
+      !> Row to write, from 0.
+      integer(long), intent(in) :: row
+      !> Text; what does not fit is cut.
+      character(len=*), intent(in) :: text
+      character(len=text_width), target :: buffer
+      integer(hid_t) :: type_id
+      integer :: code
+
+      if (self%has_failed) return
+      buffer = null_padded(text, text_width)
+      call new_stored_type(type_id, kind_text, code)
+      call self%put_rows(name, row, 1, type_id, c_loc(buffer))
+      call h5tclose_f(type_id, code)
+      call self%note([code])
+   end subroutine put_text
 
    !> Write a list of texts as a dataset of its own.
    subroutine put_texts(self, name, texts)
@@ -396,20 +425,23 @@ contains
       if (all(row_shape > 0)) n_rows = int(n_values, hsize_t)/product(row_shape)
    end function n_rows_of
 
-   !> HDF5 type of stored numbers.
-   function stored_type(kind) result(type_id)
+   !> HDF5 type of stored values, to be closed.
+   subroutine new_stored_type(type_id, kind, code)
+      integer(hid_t), intent(out) :: type_id
       integer, intent(in) :: kind
-      integer(hid_t) :: type_id
+      integer, intent(out) :: code
 
       select case (kind)
       case (kind_real)
-         type_id = h5t_ieee_f64le
+         call h5tcopy_f(h5t_ieee_f64le, type_id, code)
       case (kind_single)
-         type_id = h5t_ieee_f32le
+         call h5tcopy_f(h5t_ieee_f32le, type_id, code)
+      case (kind_text)
+         call new_text_type(type_id, text_width, code)
       case default
-         type_id = h5t_std_i64le
+         call h5tcopy_f(h5t_std_i64le, type_id, code)
       end select
-   end function stored_type
+   end subroutine new_stored_type
 
    !> Compress chunks of numbers, if asked to.
    subroutine set_compression(list, compression, code)

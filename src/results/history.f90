@@ -3,9 +3,10 @@
 module coulter_results_history
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use coulter_base_kinds, only: long, wp
+   use coulter_base_text, only: last_of_line
    use coulter_model, only: load_factor, model_type
    use coulter_model_observer, only: n_phases, phase_names, step_report_type
-   use coulter_results_hdf5_io, only: hdf5_file_type, kind_integer, kind_real
+   use coulter_results_hdf5_io, only: hdf5_file_type, kind_integer, kind_real, kind_text
    implicit none(type, external)
    private
    public :: history_type, add_history, put_history
@@ -14,6 +15,8 @@ module coulter_results_history
    type :: history_type
       !> Rows written so far.
       integer :: n_rows = 0
+      !> Warnings written so far.
+      integer, private :: n_warnings = 0
       !> Residuals that a row has room for.
       integer, private :: n_residuals = 1
    end type history_type
@@ -40,6 +43,7 @@ contains
       call add_step_columns(file)
       call add_size_columns(file)
       call add_boundary_columns(file, model)
+      call add_warnings(file)
       call add_real(file, "residuals", [history%n_residuals], &
                     "relative residual before every iteration and at the end, then NaN", "1")
       call add_real(file, "phase_seconds", [n_phases], "wall time by phase", "s")
@@ -66,6 +70,7 @@ contains
       call padded_residuals(report, residuals)
       call file%put_reals("history/residuals", row, size(residuals), residuals)
       call file%put_reals("history/phase_seconds", row, n_phases, report%phase_seconds)
+      if (allocated(report%warnings)) call put_warnings(history, file, report%warnings)
       call file%flush()
       history%n_rows = history%n_rows + 1
       call file%set_integers("history", "n_rows", [history%n_rows])
@@ -169,6 +174,34 @@ contains
                           report%fixity_reactions)
       call file%put_reals("history/body_force", row, 2, report%body_force)
    end subroutine put_boundary_columns
+
+   !> Lists of warnings: most steps have none, some have many.
+   subroutine add_warnings(file)
+      type(hdf5_file_type), intent(inout) :: file
+
+      call add_integer(file, "warning_rows", "row of the step that a warning belongs to, from 0")
+      call file%add_rows("history/warning_texts", kind_text, [integer ::], chunk)
+      call file%describe("history/warning_texts", "what the log said about that step")
+   end subroutine add_warnings
+
+   !> Write the warnings of the present row.
+   subroutine put_warnings(history, file, warnings)
+      type(history_type), intent(inout) :: history
+      type(hdf5_file_type), intent(inout) :: file
+      character(len=*), intent(in) :: warnings
+      integer :: first, last
+
+      first = 1
+      do while (first <= len(warnings))
+         last = last_of_line(warnings, first)
+         associate (place => int(history%n_warnings, long))
+            call put_integer(file, "warning_rows", place, history%n_rows)
+            call file%put_text("history/warning_texts", place, warnings(first:last))
+         end associate
+         history%n_warnings = history%n_warnings + 1
+         first = last + 2
+      end do
+   end subroutine put_warnings
 
    !> Write the names of the fixities in the order of their reactions.
    subroutine put_fixity_names(file, model)

@@ -2,7 +2,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_results_provenance
    use coulter_base_error, only: error_type
-   use coulter_results_hdf5_io, only: hdf5_file_type
+   use coulter_base_kinds, only: long, wp
+   use coulter_results_hdf5_io, only: hdf5_file_type, kind_real
    implicit none(type, external)
    private
    public :: provenance_type, put_provenance, put_deck, put_status
@@ -68,11 +69,13 @@ contains
    end subroutine put_deck
 
    !> Write how the run ended.
-   subroutine put_status(file, failure)
+   subroutine put_status(file, failure, phase_seconds)
       !> Open file.
       type(hdf5_file_type), intent(inout) :: file
       !> Why it ended early; unallocated when it reached its end.
       type(error_type), allocatable, intent(in) :: failure
+      !> Wall time by phase after the last row of the history, seconds.
+      real(wp), intent(in) :: phase_seconds(:)
 
       if (allocated(failure)) then
          call file%set_text("provenance", "status", "failed: "//failure%message, status_width)
@@ -80,6 +83,10 @@ contains
          call file%set_text("provenance", "status", "finished", status_width)
       end if
       call file%set_text("provenance", "ended", time_stamp())
+      call file%add_rows("provenance/last_seconds", kind_real, [integer ::], size(phase_seconds))
+      call file%put_reals("provenance/last_seconds", 0_long, size(phase_seconds), phase_seconds)
+      call file%describe("provenance/last_seconds", &
+                         "wall time by phase after the last row of the history", "s")
    end subroutine put_status
 
    !> Date and time with the offset from UTC, as in ISO 8601.

@@ -6,7 +6,7 @@ module coulter_results
    use coulter_base_error, only: error_type
    use coulter_base_kinds, only: wp
    use coulter_model, only: model_type
-   use coulter_model_observer, only: observer_type, scene_report_type, step_report_type
+   use coulter_model_observer, only: n_phases, observer_type, scene_report_type, step_report_type
    use coulter_model_output, only: output_type
    use coulter_results_frames, only: add_frames, frames_type, put_frame
    use coulter_results_hdf5_io, only: hdf5_file_type
@@ -34,6 +34,8 @@ module coulter_results
       type(history_type) :: history
       !> Number of the last step that was accepted, whole or in part.
       integer :: last_step = 0
+      !> Does the file exist? A file of that name may be there from an earlier run.
+      logical :: is_made = .false.
    contains
       procedure :: start => start_results
       procedure :: step_done => put_step
@@ -94,6 +96,7 @@ contains
       call make_directory(self%directory, error)
       if (allocated(error)) return
       call self%file%create()
+      self%is_made = .true.
       call self%file%set_integers("/", "layout_version", [layout_version])
       call put_provenance(self%file, self%provenance)
       call self%file%set_integers("/", "n_points", [scene%n_points])
@@ -125,19 +128,22 @@ contains
    end subroutine put_step
 
    !> See `observer_type`: after a failure, keep the last accepted state too.
-   subroutine finish_results(self, model, failure)
+   subroutine finish_results(self, model, failure, phase_seconds)
       class(results_type), intent(inout) :: self
       !> The model as it was last accepted.
       type(model_type), intent(in) :: model
       !> Why the run ended early; unallocated when it reached its end.
       type(error_type), allocatable, intent(in) :: failure
+      !> Wall time by phase since the last report, seconds: its output and failed attempts.
+      real(wp), intent(in) :: phase_seconds(n_phases)
       type(error_type), allocatable :: error
 
+      if (.not. self%is_made) return
       call self%file%open()
       if (model%time > self%frames%last_time) then
          call keep_frame(self, model, model%time/maxval(model%schedule%end_time))
       end if
-      call put_status(self%file, failure)
+      call put_status(self%file, failure, phase_seconds)
       call self%file%close(error)
    end subroutine finish_results
 

@@ -3,7 +3,7 @@
 module coulter_results_run_log
    use coulter_base_error, only: error_type, fatal_error
    use coulter_base_kinds, only: wp
-   use coulter_base_text, only: to_text
+   use coulter_base_text, only: last_of_line, to_text
    use coulter_base_timer, only: wall_seconds
    use coulter_model, only: model_type
    use coulter_model_observer, only: n_phases, observer_type, phase_names, scene_report_type, &
@@ -111,14 +111,17 @@ contains
    end subroutine log_step
 
    !> See `observer_type`: write how the run ended and where its time went.
-   subroutine finish_log(self, model, failure)
+   subroutine finish_log(self, model, failure, phase_seconds)
       class(run_log_type), intent(inout) :: self
       !> The model as it was last accepted.
       type(model_type), intent(in) :: model
       !> Why the run ended early; unallocated when it reached its end.
       type(error_type), allocatable, intent(in) :: failure
+      !> Wall time by phase since the last report, seconds: its output and failed attempts.
+      real(wp), intent(in) :: phase_seconds(n_phases)
       character(len=:), allocatable :: verdict
 
+      self%phase_seconds = self%phase_seconds + phase_seconds
       call hide_progress(self)
       verdict = "finished"
       if (allocated(failure)) verdict = "stopped early, at time "//to_text(model%time)//","
@@ -182,8 +185,7 @@ contains
 
       first = 1
       do while (first <= len(warnings))
-         last = index(warnings(first:), new_line("a")) + first - 2
-         if (last < first) last = len(warnings)
+         last = last_of_line(warnings, first)
          call write_paragraph(unit, "        warning: ", warnings(first:last))
          first = last + 2
       end do

@@ -2,7 +2,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_results_scene
    use coulter_base_kinds, only: long, wp
-   use coulter_boundary, only: boundary_type, kind_roller
+   use coulter_boundary, only: boundary_type, formulation_augmented, formulation_implicit, &
+      formulation_nitsche, kind_roller
    use coulter_grid, only: grid_type
    use coulter_model, only: model_type, units_type
    use coulter_results_hdf5_io, only: hdf5_file_type, kind_integer, kind_real
@@ -100,6 +101,8 @@ contains
       type(boundary_type), intent(in) :: boundaries(:)
       character(len=name_length) :: names(size(boundaries))
       character(len=6) :: kinds(size(boundaries))
+      character(len=9) :: formulations(size(boundaries))
+      integer(long) :: is_bilateral(size(boundaries))
       integer(long) :: ends(size(boundaries) + 1)
       integer :: i
 
@@ -107,16 +110,48 @@ contains
       do i = 1, size(boundaries)
          names(i) = boundaries(i)%name
          kinds(i) = merge("roller", "fixed ", boundaries(i)%kind == kind_roller)
+         formulations(i) = formulation_name(boundaries(i))
+         is_bilateral(i) = merge(0_long, 1_long, is_wall(boundaries(i)))
          ends(i + 1) = ends(i) + size(boundaries(i)%vertices, 2, kind=long)
       end do
       call file%add_group("boundaries")
       call file%put_texts("boundaries/name", names)
       call file%put_texts("boundaries/kind", kinds)
+      call file%put_texts("boundaries/formulation", formulations)
+      call file%add_rows("boundaries/is_bilateral", kind_integer, [integer ::], &
+                         max(size(boundaries), 1))
+      call file%put_integers("boundaries/is_bilateral", 0_long, size(boundaries), is_bilateral)
+      call file%describe("boundaries/is_bilateral", "1 where material cannot come off, else 0")
       call file%add_rows("boundaries/offsets", kind_integer, [integer ::], size(ends))
       call file%put_integers("boundaries/offsets", 0_long, size(ends), ends)
       call file%describe("boundaries/offsets", "first corner of every boundary; total at the end")
       call file%add_rows("boundaries/vertices", kind_real, [2, int(ends(size(ends)))], 1)
    end subroutine put_boundaries
+
+   !> Word of the deck for the formulation of a boundary.
+   pure function formulation_name(boundary) result(name)
+      type(boundary_type), intent(in) :: boundary
+      character(len=9) :: name
+
+      if (boundary%formulation == formulation_nitsche) then
+         name = "nitsche"
+      else if (boundary%formulation == formulation_augmented) then
+         name = "augmented"
+      else if (boundary%has_coupling_term) then
+         name = "implicit"
+      else
+         name = "penalty"
+      end if
+   end function formulation_name
+
+   !> Does a boundary push only?
+   pure function is_wall(boundary) result(answer)
+      type(boundary_type), intent(in) :: boundary
+      logical :: answer
+
+      answer = boundary%formulation /= formulation_implicit &
+         .and. .not. boundary%is_bilateral
+   end function is_wall
 
    !> Set a text attribute, empty where the text is unallocated.
    subroutine put_optional_text(file, object, name, text)

@@ -6,12 +6,13 @@ module coulter_step_assembly
    use coulter_boundary_ibm, only: station_kernel_2d
    use coulter_grid_shape, only: shape_gradients_2d
    use coulter_model, only: boundary_motion, load_factor, model_type
+   use coulter_step_edge_loads, only: add_pressures, add_tractions
    use coulter_step_point_kernel, only: add_point
    use coulter_step_system, only: system_type
    use coulter_step_tile_assembly, only: add_tiles
    implicit none(type, external)
    private
-   public :: assemble, apply_body_force
+   public :: assemble, apply_dead_loads
 
 contains
 
@@ -27,9 +28,11 @@ contains
       system%internal = 0.0_wp
       system%boundary = 0.0_wp
       system%boundary_reaction = 0.0_wp
+      system%external = system%dead_load
       if (allocated(model%tiling)) then
          system%values = system%ghost_values
          call add_tiles(system, model, failed_point)
+         if (failed_point == 0) call add_pressures(system, model)
       else
          system%values = 0.0_wp
          call add_points(system, model, failed_point)
@@ -37,23 +40,24 @@ contains
       end if
    end subroutine assemble
 
-   !> External nodal forces at the end of the step.
-   pure subroutine apply_body_force(system, model)
-      !> System of the step; gets `external`.
+   !> External nodal forces at the end of the step that do not depend on displacements.
+   pure subroutine apply_dead_loads(system, model)
+      !> System of the step; gets `dead_load`.
       type(system_type), intent(inout) :: system
       !> Scene.
       type(model_type), intent(in) :: model
-      real(wp) :: acceleration(2)
       integer :: i
 
       system%external = 0.0_wp
-      if (.not. allocated(system%nodal_mass)) return
-      acceleration = model%body_force%acceleration &
-         *load_factor(model, model%body_force%table, system%end_time)
-      do i = 1, 2
-         system%external(i, :) = system%nodal_mass*acceleration(i)
-      end do
-   end subroutine apply_body_force
+      if (allocated(system%nodal_mass)) then
+         do i = 1, 2
+            system%external(i, :) = system%nodal_mass*model%body_force%acceleration(i) &
+               *load_factor(model, model%body_force%table, system%end_time)
+         end do
+      end if
+      if (allocated(model%tiling)) call add_tractions(system, model)
+      system%dead_load = system%external
+   end subroutine apply_dead_loads
 
    !> Sum up the points of every cell, then scatter the cell once.
    subroutine add_points(system, model, failed_point)

@@ -11,9 +11,9 @@ module coulter_step_dofs
    private
    public :: dofs_type, number_dofs, nodes_of_filled_cells, couple_cells, expand, reduce
 
-   !> Numbering of the nodal displacements, with aggregation of badly filled cells: an outer node,
-   !> one that no filled cell touches, follows by extrapolation from the nearest filled cell
-   !> (theory, section 3, trap 3).
+   !> Numbering of the nodal displacements, with aggregation: an outer node, one that no filled cell
+   !> touches (points) or that carries too little area (tiles), follows by extrapolation from the
+   !> nearest cell that may lead (theory, section 3, trap 3, and section 4).
    type :: dofs_type
       !> Number of unknowns.
       integer :: n_dofs = 0

@@ -33,13 +33,13 @@ contains
       call new_stopwatch(system%watch, n_phases)
       reported = 0.0_wp
       call describe_system(model, system, scene, error)
-      if (.not. allocated(error)) call observer%start(model, scene, error)
       if (.not. allocated(error)) then
+         call observer%start(model, scene, error)
          do step = 1, size(model%schedule%end_time)
-            call run_load_step(model, system, step, reported, observer, error)
             if (allocated(error)) exit
+            call run_load_step(model, system, step, reported, observer, error)
          end do
-         call observer%finish(model, error)
+         call observer%finish(model, error, system%watch%seconds - reported)
       end if
       call system%solver%release()
    end subroutine run_model

@@ -6,7 +6,7 @@ module coulter_step
    use coulter_model, only: model_type
    use coulter_model_observer, only: phase_accept, phase_locate, phase_number, step_report_type
    use coulter_step_accept, only: accept_step
-   use coulter_step_assembly, only: apply_body_force
+   use coulter_step_assembly, only: apply_dead_loads
    use coulter_step_newton, only: newton_type, solve_newton
    use coulter_step_report, only: report_step
    use coulter_step_point_setup, only: find_participants, number_system
@@ -36,7 +36,7 @@ contains
       system%end_time = end_time
       call prepare_system(model, system, failure)
       if (allocated(failure)) return
-      call apply_body_force(system, model)
+      call apply_dead_loads(system, model)
       call solve_newton(newton, system, model)
       if (allocated(newton%failure)) then
          call move_alloc(newton%failure, failure)
@@ -71,6 +71,7 @@ contains
          return
       end if
       call system%watch%start(phase_number)
+      system%solver%is_lu_only = model%control%is_lu_only
       if (allocated(model%tiling)) then
          call number_tile_system(system, model, has_failed)
       else

@@ -6,6 +6,7 @@ module coulter_step_system
    use coulter_base_kinds, only: long, wp
    use coulter_base_timer, only: stopwatch_type
    use coulter_boundary_contact, only: contacts_type, held_edge_type
+   use coulter_boundary_edge_load, only: loaded_edge_type
    use coulter_boundary_stations, only: stations_type
    use coulter_grid_cells, only: cells_type
    use coulter_step_dofs, only: dofs_type
@@ -45,7 +46,11 @@ module coulter_step_system
       type(tile_map_type) :: map
       !> Contacts on their outer edges, and the edges that bilateral boundaries keep for good.
       type(contacts_type) :: contacts
+      !> Contacts of the last accepted step, for tractions with memory.
+      type(contacts_type) :: last_contacts
       type(held_edge_type), allocatable :: held_edges(:)
+      !> Edges that carry loads for good.
+      type(loaded_edge_type), allocatable :: loaded_edges(:)
       !> Stabilised cell faces, their stiffness, and what they add to the tangent.
       type(ghost_type) :: ghost
       real(wp), allocatable :: ghost_stiffness(:), ghost_values(:)
@@ -63,6 +68,8 @@ module coulter_step_system
       real(wp), allocatable :: increment(:, :)
       !> Internal, boundary and external nodal forces, shape (2, n_nodes).
       real(wp), allocatable :: internal(:, :), boundary(:, :), external(:, :)
+      !> The part of the external forces that does not depend on displacements, shape as these.
+      real(wp), allocatable :: dead_load(:, :)
       !> Length of every boundary that acts on material, and that material reaches in vain, length
       !> units, shape (n_boundaries).
       real(wp), allocatable :: loaded_length(:), lost_length(:)
@@ -136,10 +143,12 @@ contains
       end if
       if (allocated(system%increment)) then
          if (size(system%increment, 2) == system%cells%n_nodes) return
-         deallocate (system%increment, system%internal, system%boundary, system%external)
+         deallocate (system%increment, system%internal, system%boundary, system%external, &
+                     system%dead_load)
       end if
       allocate (system%increment(2, system%cells%n_nodes))
-      allocate (system%internal, system%boundary, system%external, mold=system%increment)
+      allocate (system%internal, system%boundary, system%external, system%dead_load, &
+                mold=system%increment)
    end subroutine make_room
 
    !> Do two lists couple the same unknowns in the same elements?

@@ -1,28 +1,18 @@
-!> Forces and tangent of bodies whose domains tile them, and of the contacts on their outer edges.
+!> Forces and tangent of bodies whose domains tile them.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_tile_assembly
-   use coulter_algebra_sparse, only: add_element_matrix
    use coulter_base_kinds, only: wp
-   use coulter_boundary, only: boundary_type
-   use coulter_boundary_contact, only: contact_type
-   use coulter_boundary_ibm, only: band_stiffness_factor
    use coulter_law, only: law_type
    use coulter_model, only: model_type
+   use coulter_step_contact_forces, only: add_contacts
    use coulter_step_ghost, only: add_ghost_forces
-   use coulter_step_point_kernel, only: add_force, add_stiffness, point_response_type, respond
+   use coulter_step_point_kernel, only: add_force, add_stiffness, point_response_type
    use coulter_step_system, only: system_type
    use coulter_step_tile_map, only: interpolate, spread_to_nodes
-   use coulter_step_unknowns, only: condense, max_unknowns
+   use coulter_step_tile_scatter, only: add_at_corners, respond_tile, scatter_tile
    implicit none(type, external)
    private
    public :: add_tiles
-
-   !> Gaps below this share of the spacing count as closed: round-off of a body that starts on a
-   !> wall.
-   real(wp), parameter :: touching = 1.0e-10_wp
-   !> A face reaches this far beyond its ends, over the spacing: a corner that sits at an end must
-   !> not come and go with round-off.
-   real(wp), parameter :: end_slack = 0.05_wp
 
 contains
 
@@ -64,7 +54,7 @@ contains
          associate (law => model%laws(model%bodies(model%points%body(p))%law)%law, &
                     corner => model%tiling%corner(:, p), &
                     volume => model%points%reference_volume(p))
-            call respond_tile(system, model, law, p, response, has_failed)
+            call respond_tile(system, model, p, response, has_failed)
             failed_tile = p
             if (has_failed) return
             force = 0.0_wp
@@ -76,25 +66,10 @@ contains
                                + system%map%increment(:, corner), force, stiffness)
             call add_at_corners(corner, force, at_corners)
          end associate
-         call scatter(system, p, stiffness)
+         call scatter_tile(system, p, stiffness)
       end do
       failed_tile = 0
    end subroutine add_interiors
-
-   !> Stress and moduli of a tile.
-   subroutine respond_tile(system, model, law, p, response, has_failed)
-      type(system_type), intent(in) :: system
-      type(model_type), intent(in) :: model
-      class(law_type), intent(in) :: law
-      integer, intent(in) :: p
-      type(point_response_type), intent(out) :: response
-      logical, intent(out) :: has_failed
-
-      call respond(law, system%map%gradient(:, :, p), &
-                   system%map%increment(:, model%tiling%corner(:, p)), &
-                   model%points%converged%elastic_finger(:, p), &
-                   model%points%converged%law_state(:, p), response, has_failed)
-   end subroutine respond_tile
 
    !> k_hg = e (8/3) G/(1 - nu) with nu = lambda/(2 (lambda + G)).
    pure function hourglass_stiffness(law, ratio) result(stiffness)
@@ -123,161 +98,5 @@ contains
          stiffness(2, :, 2, b) = stiffness(2, :, 2, b) + hourglass*vector(b)*vector
       end do
    end subroutine add_hourglass
-
-   !> Traction of all contacts. Successive stations of one tile share its response and are
-   !> scattered together.
-   subroutine add_contacts(system, model, at_corners)
-      type(system_type), intent(inout) :: system
-      type(model_type), intent(in) :: model
-      real(wp), intent(inout) :: at_corners(:, :)
-      type(point_response_type) :: response
-      real(wp) :: force(2, 4), stiffness(2, 4, 2, 4), reaction(2)
-      integer :: k, tile
-      logical :: has_failed
-
-      tile = 0
-      do k = 1, system%contacts%n
-         associate (contact => system%contacts%item(k))
-            if (contact%tile /= tile) then
-               tile = contact%tile
-               force = 0.0_wp
-               stiffness = 0.0_wp
-               associate (law => model%laws(model%bodies(model%points%body(tile))%law)%law)
-                  call respond_tile(system, model, law, tile, response, has_failed)
-               end associate
-            end if
-            call add_contact(system, model, contact, response, force, stiffness, reaction)
-            associate (total => system%boundary_reaction(:, contact%boundary), &
-                       length => system%loaded_length(contact%boundary))
-               total = total + reaction
-               if (any(abs(reaction) > 0.0_wp)) length = length + contact%weight
-            end associate
-         end associate
-         if (k < system%contacts%n) then
-            if (system%contacts%item(k + 1)%tile == tile) cycle
-         end if
-         call add_at_corners(model%tiling%corner(:, tile), force, at_corners)
-         call scatter(system, tile, stiffness)
-      end do
-   end subroutine add_contacts
-
-   !> One station: traction s + k g along the normal, and for fixed kinds along the tangent.
-   subroutine add_contact(system, model, contact, response, force, stiffness, reaction)
-      type(system_type), intent(in) :: system
-      type(model_type), intent(in) :: model
-      type(contact_type), intent(in) :: contact
-      type(point_response_type), intent(in) :: response
-      real(wp), intent(inout) :: force(2, 4), stiffness(2, 4, 2, 4)
-      real(wp), intent(out) :: reaction(2)
-      real(wp) :: traction, by_vertices(2, 4), penalty, share, moved(2), other_moved(2)
-      real(wp) :: lame_lambda, shear_modulus
-
-      reaction = 0.0_wp
-      moved = system%map%increment(:, contact%corner)
-      share = model%points%reference_volume(contact%tile)/system%map%area(contact%tile)
-      call model%laws(model%bodies(model%points%body(contact%tile))%law)%law &
-         %elastic_moduli(lame_lambda, shear_modulus)
-      penalty = band_stiffness_factor*(lame_lambda + 2.0_wp*shear_modulus) &
-         /(model%boundaries(contact%boundary)%band_ratio*model%grid%smallest_spacing())
-      call nominal_traction(response, share, contact%normal, contact%normal, traction, by_vertices)
-      traction = traction + penalty*(contact%gap + dot_product(contact%normal, moved))
-      other_moved = system%map%increment(:, contact%other_corner)
-      if (.not. acts(contact, traction/penalty, dot_product(contact%tangent, moved), &
-                     dot_product(contact%tangent, other_moved), &
-                     model%grid%smallest_spacing())) return
-      call push(contact%normal, penalty)
-      if (.not. contact%is_fixed) return
-      penalty = penalty*shear_modulus/(lame_lambda + 2.0_wp*shear_modulus)
-      call nominal_traction(response, share, contact%tangent, contact%normal, traction, by_vertices)
-      traction = traction + penalty*(contact%slide + dot_product(contact%tangent, moved))
-      call push(contact%tangent, penalty)
-
-   contains
-
-      !> Add the traction along a direction to force and stiffness.
-      subroutine push(direction, penalty)
-         real(wp), intent(in) :: direction(2), penalty
-         integer :: k, b
-
-         by_vertices(:, contact%vertex) = by_vertices(:, contact%vertex) + penalty*direction
-         force(:, contact%vertex) = force(:, contact%vertex) + contact%weight*traction*direction
-         reaction = reaction - contact%weight*traction*direction
-         do b = 1, 4
-            do k = 1, 2
-               stiffness(:, contact%vertex, k, b) = stiffness(:, contact%vertex, k, b) &
-                  + contact%weight*by_vertices(k, b)*direction
-            end do
-         end do
-      end subroutine push
-
-   end subroutine add_contact
-
-   !> Does the face act on the corner: held for good, or pressed while it slides along the face?
-   !> Where a face ends, it acts on edges whose middle it reaches: those beyond belong to the next
-   !> face, and the corner between them must not be pushed twice.
-   pure function acts(contact, overlap, slide, other_slide, spacing) result(answer)
-      type(contact_type), intent(in) :: contact
-      !> Traction over the penalty, and how far both ends of the edge move along the face, length
-      !> units.
-      real(wp), intent(in) :: overlap, slide, other_slide
-      !> Grid spacing.
-      real(wp), intent(in) :: spacing
-      logical :: answer
-      real(wp) :: distance, middle, slack
-
-      answer = contact%is_bilateral
-      if (answer .or. .not. overlap < touching*spacing) return
-      slack = end_slack*spacing
-      distance = contact%distance + slide
-      middle = 0.5_wp*(distance + contact%other_distance + other_slide)
-      answer = distance >= -slack .and. distance <= contact%length + slack
-      if (distance < slack) answer = answer .and. middle > 0.0_wp
-      if (distance > contact%length - slack) answer = answer .and. middle < contact%length
-   end function acts
-
-   !> Component of the nominal traction P N, P = tau dF^-T V0/A, and its derivative by the vertices
-   !> of the tile.
-   pure subroutine nominal_traction(response, share, direction, normal, traction, by_vertices)
-      type(point_response_type), intent(in) :: response
-      real(wp), intent(in) :: share, direction(2), normal(2)
-      real(wp), intent(out) :: traction, by_vertices(2, 4)
-      real(wp) :: pulled(2), stress(2, 2), slope(2, 2)
-      integer :: k, l
-
-      pulled = share*matmul(normal, response%inverse)
-      stress = reshape(response%stress([1, 4, 4, 2]), [2, 2])
-      traction = dot_product(direction, matmul(stress, pulled))
-      do l = 1, 2
-         do k = 1, 2
-            slope(k, l) = dot_product(direction, matmul(response%moduli(:, :, k, l), pulled))
-         end do
-      end do
-      by_vertices = matmul(slope, response%gradient)
-   end subroutine nominal_traction
-
-   !> Add the forces of a tile to those of its corners; a triangle has one corner twice.
-   pure subroutine add_at_corners(corner, force, at_corners)
-      integer, intent(in) :: corner(4)
-      real(wp), intent(in) :: force(2, 4)
-      real(wp), intent(inout) :: at_corners(:, :)
-      integer :: v
-
-      do v = 1, 4
-         at_corners(:, corner(v)) = at_corners(:, corner(v)) + force(:, v)
-      end do
-   end subroutine add_at_corners
-
-   !> Add the matrix of a tile to the tangent.
-   subroutine scatter(system, tile, stiffness)
-      type(system_type), intent(inout) :: system
-      integer, intent(in) :: tile
-      real(wp), intent(in) :: stiffness(2, 4, 2, 4)
-      real(wp) :: condensed(4*max_unknowns**2)
-      integer :: m
-
-      m = system%coupling%elements%start(tile + 1) - system%coupling%elements%start(tile)
-      call condense(system%coupling, tile, stiffness, m, condensed)
-      call add_element_matrix(system%pattern, tile, condensed(:m*m), system%values)
-   end subroutine scatter
 
 end module coulter_step_tile_assembly

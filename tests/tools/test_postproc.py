@@ -39,6 +39,76 @@ def results(path) -> Results:
     return Results(path)
 
 
+@pytest.fixture(scope="module")
+def tiled(tmp_path_factory) -> Results:
+    """The wedge on a coarse grid, its tool withdrawn in the end."""
+    folder = tmp_path_factory.mktemp("tiled")
+    text = (SOURCE / "input/wedge/wedge_default.nml").read_text()
+    for old, new in (
+        ("spacing = 2.0, cells = 136, 34", "spacing = 8.0, cells = 34, 9"),
+        ("displacement_per_step = -6.0, 0.0", "displacement = -6.0, 0.0, table = 'back'"),
+        (
+            "&steps count = 6 /",
+            "&table name = 'back', time = 0.0, 1.0, 2.0, value = 0.0, 1.0, -1.0 /\n"
+            "&steps end_times = 1.0, 2.0 /",
+        ),
+        ("at_steps = 1, 3, 5, 6", "every = 1"),
+    ):
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    deck = folder / "tiled.nml"
+    deck.write_text(text)
+    subprocess.run([PROGRAM, deck, "--quiet", "--output", folder], check=True, timeout=120)
+    return Results(deck.with_suffix(".vtkhdf"))
+
+
+def area_of(polygons):
+    x, y = np.moveaxis(polygons, -1, 0)
+    return 0.5 * np.sum(x * np.roll(y, -1, axis=-1) - y * np.roll(x, -1, axis=-1), axis=-1)
+
+
+def test_tiles_are_drawn_as_they_are(tiled):
+    frame = tiled.frame(1)
+    assert frame.has_tiles
+    np.testing.assert_allclose(area_of(frame.outlines()), frame["volume"], rtol=1e-10)
+    figure = figures.draw_frames(tiled, [1], "p")
+    drawn = [c for c in figure.axes[0].collections if c.get_array() is not None]
+    corners = drawn[0].get_paths()[0].vertices[:4]
+    np.testing.assert_allclose(corners, frame.outlines()[0])
+
+
+def test_outer_edges_enclose_the_body(tiled, results):
+    """Their fluxes of (x, y)/2 add up to the volume of all tiles; boxes have none."""
+    frame = tiled.frame(1)
+    start, end = np.moveaxis(frame.outer_edges(), 1, 0)
+    enclosed = 0.5 * np.sum(start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0])
+    np.testing.assert_allclose(enclosed, frame["volume"].sum(), rtol=1e-10)
+    assert len(start) < len(frame.position)
+    assert not results.frame(0).has_tiles
+    assert results.frame(0).outer_edges().shape == (0, 2, 2)
+
+
+def test_summary_tells_warnings_below_their_step(tiled, capsys):
+    assert (1, "boundary push holds no material") in tiled.warnings
+    assert all(row == 1 for row, _ in tiled.warnings)
+    assert main(["summary", str(tiled.path)]) == 0
+    last_step, *warnings = capsys.readouterr().out.splitlines()[-1 - len(tiled.warnings) :]
+    assert last_step.startswith("   2 ")
+    assert all(line.startswith("      warning: boundary ") for line in warnings)
+
+
+def test_few_outliers_do_not_set_the_colours():
+    smooth = np.linspace(0.0, 1.0, 1000)
+    norm, extend = figures._colour_limits([smooth])
+    assert (norm.vmin, norm.vmax, extend) == (0.0, 1.0, "neither")
+    norm, extend = figures._colour_limits([smooth, np.append(smooth, 50.0)])
+    assert norm.vmin == 0.0 and norm.vmax < 1.01 and extend == "max"
+    norm, extend = figures._colour_limits([np.append(smooth, -50.0)])
+    assert norm.vmin > -0.01 and norm.vmax == 1.0 and extend == "min"
+    constant, extend = figures._colour_limits([np.zeros(5)])
+    assert (constant.vmin, constant.vmax, extend) == (0.0, 0.0, "neither")
+
+
 def test_frames_by_index_and_by_step(results):
     assert results.n_frames == N_STEPS + 1
     assert results.frame(-1).step == N_STEPS
@@ -52,8 +122,7 @@ def test_frames_by_index_and_by_step(results):
 def test_outlines_cover_the_deformed_volume(results):
     """The area of every outline is the volume of its point, also where the domain was cut."""
     frame = results.frame(-1)
-    x, y = np.moveaxis(frame.outlines(), -1, 0)
-    area = 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
+    area = area_of(frame.outlines())
     stretch = frame.gradient[:, 2, 2]
     np.testing.assert_allclose(area * stretch, frame["volume"], rtol=1e-6)
 

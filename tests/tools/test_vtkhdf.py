@@ -27,6 +27,22 @@ COMPONENTS = {
     "domain": 3,
     "body": 1,
 }
+#: A block with a bevelled corner, tiled; the plate on it is pressed down and then lifted off.
+TILED = """
+&scene title = "Bevelled block" /
+&grid origin = -1.0, -1.0, spacing = 1.0, cells = 6, 5 /
+&law name = "stuff", model = "hencky", youngs_modulus = 1000.0, poisson_ratio = 0.3 /
+&body name = "block", law = "stuff", density = 0.0 /
+&region body = "block", polygon = 0.0, 0.0,  4.0, 0.0,  4.0, 1.3,  3.3, 2.0,  0.0, 2.0 /
+&boundary name = "floor", kind = "roller", vertices = 0.0, 0.0,  4.0, 0.0, bilateral = .true. /
+&boundary name = "left", kind = "roller", vertices = 0.0, 2.0,  0.0, 0.0, bilateral = .true. /
+&boundary
+   name = "plate", kind = "roller", vertices = 4.0, 2.0,  0.0, 2.0
+   displacement = 0.0, 0.1, table = "lift"
+/
+&table name = "lift", time = 0.0, 1.0, 2.0, value = 0.0, -0.1, 1.0 /
+&steps end_times = 1.0, 2.0 /
+"""
 
 
 def make_deck(folder: Path, n_steps: int, output: str = "") -> Path:
@@ -58,6 +74,12 @@ def read_frame(file: "h5py.File", name: str, frame: int) -> "np.ndarray":
     root = file["VTKHDF"]
     first, n = root["Steps/PointOffsets"][frame], root["NumberOfPoints"][frame]
     return root[name][first : first + n]
+
+
+def make_tiled_deck(folder: Path, text: str = TILED) -> Path:
+    deck = folder / "tiled.nml"
+    deck.write_text(text)
+    return deck
 
 
 @pytest.mark.parametrize("output", ["", "compression = 4", "precision = 'single'"])
@@ -103,6 +125,76 @@ def test_fields_agree_with_each_other(tmp_path):
         np.testing.assert_allclose(end["volume"], start["volume"] * end["volume_ratio"])
         assert not start["stress"].any()
         assert np.all(start["domain"][:, :2] > 0.0)
+
+
+def test_tiles_are_the_domains(tmp_path):
+    """Counter-clockwise around their points, with the volume of their points; a push moves them."""
+    text = TILED.replace("-0.1, 1.0 /", "-0.5, -1.0 /")
+    with h5py.File(results_of(make_tiled_deck(tmp_path, text))) as file:
+        assert file["VTKHDF/PointData/tile"].attrs["description"]
+        for frame in (0, 2):
+            tile = read_frame(file, "PointData/tile", frame).reshape(-1, 4, 2)
+            x, y = np.moveaxis(tile, -1, 0)
+            area = 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
+            volume = read_frame(file, "PointData/volume", frame)
+            np.testing.assert_allclose(area, volume, rtol=1e-10)
+            assert math.isclose(y.max(), 2.0 - 0.05 * frame, rel_tol=1e-2)
+        # 0.7 by 0.7 is cut off the corner
+        assert math.isclose(read_frame(file, "PointData/volume", 0).sum(), 8.0 - 0.5 * 0.7**2)
+        assert np.any(np.all(tile[:, 2] == tile[:, 3], axis=1))
+    with h5py.File(results_of(make_deck(tmp_path, 1))) as file:
+        assert "tile" not in file["VTKHDF/PointData"]
+
+
+def test_vtk_reads_tiles(tmp_path):
+    vtk = pytest.importorskip("vtk")
+
+    reader = vtk.vtkHDFReader()
+    reader.SetFileName(str(results_of(make_tiled_deck(tmp_path))))
+    reader.Update()
+    tile = reader.GetOutputDataObject(0).GetPointData().GetArray("tile")
+    assert tile.GetNumberOfComponents() == 8
+
+
+def test_boundaries_say_how_they_act(tmp_path):
+    with h5py.File(results_of(make_tiled_deck(tmp_path))) as file:
+        assert list(file["boundaries/kind"]) == [b"roller"] * 3
+        assert list(file["boundaries/formulation"]) == [b"nitsche"] * 3
+        assert list(file["boundaries/is_bilateral"]) == [1, 1, 0]
+    with h5py.File(results_of(make_deck(tmp_path, 1))) as file:
+        assert list(file["boundaries/formulation"]) == [b"implicit"] * 3
+        assert list(file["boundaries/is_bilateral"]) == [1, 1, 1]
+
+
+def test_loaded_length_is_the_length_in_contact(tmp_path):
+    """The plate is pressed on the edge of 3.3 beside the bevel, then it is off."""
+    with h5py.File(results_of(make_tiled_deck(tmp_path))) as file:
+        lengths = file["history/loaded_lengths"][:]
+    np.testing.assert_allclose(lengths[0, :2], [4.0, 2.0])
+    # half an edge of the bevel counts with the corner that it shares
+    assert 3.3 - 1e-9 <= lengths[0, 2] <= 3.3 + 0.5 * 0.7
+    assert lengths[1, 2] == 0.0
+
+
+def test_warnings_are_kept(tmp_path):
+    with h5py.File(results_of(make_tiled_deck(tmp_path))) as file:
+        assert list(file["history/warning_rows"]) == [1]
+        assert list(file["history/warning_texts"]) == [b"boundary plate holds no material"]
+    held = TILED.replace("-0.1, 1.0 /", "-0.1, -1.0 /")
+    with h5py.File(results_of(make_tiled_deck(tmp_path, held))) as file:
+        assert len(file["history/warning_rows"]) == len(file["history/warning_texts"]) == 0
+
+
+def test_time_of_a_failed_end_is_kept(tmp_path):
+    """The plate is pushed through the floor: the second step fails at any size."""
+    text = TILED.replace("-0.1, 1.0 /", "-0.1, -90.0 /") + "&control max_halvings = 1 /\n"
+    deck = make_tiled_deck(tmp_path, text)
+    assert run(deck).returncode == 1
+    with h5py.File(deck.with_suffix(".vtkhdf")) as file:
+        assert file["provenance"].attrs["status"].startswith(b"failed: step 2 of 2")
+        names = [name.decode() for name in file["history/phase_names"]]
+        seconds = dict(zip(names, file["provenance/last_seconds"], strict=True))
+    assert seconds["factorise"] > 0.0
 
 
 def test_strain_and_stress_obey_the_law(tmp_path):
