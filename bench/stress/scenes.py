@@ -120,7 +120,7 @@ def control_group(domains=None, hourglass=None, ghost=None, small_cells=None, ha
 def patch(angle=15.0, h=0.125, stretch=0.9, steps=1, ppc=None, nu=0.3, modulus=1000.0,
           shift=(0.0137, 0.0231), size=1.0, length=1.0, far=(0.0, 0.0), band=None, domains=None,
           hourglass=None, ghost=None, small_cells=None, formulation=None, width=None,
-          bilateral=None, joint=None, bound=None) -> Scene:
+          bilateral=None, joint=None, overlong=None, bound=None) -> Scene:
     """A block turned by `angle`, compressed along its own axis between frictionless plates.
 
     `shift` moves it against the grid, over h; `width` and `size` are its sides; all lengths are
@@ -132,8 +132,9 @@ def patch(angle=15.0, h=0.125, stretch=0.9, steps=1, ppc=None, nu=0.3, modulus=1
     own = np.array([[0, 0], [width, 0], [width, size], [0, size]], float)
     place = lambda local: (np.asarray(local, float) @ matrix.T + np.array(shift) * h) * length + far
     corners = place(own)
-    # walls that reach beyond what they hold belong to tiling domains only
-    slack = 0.0 if domains == "mpm" else 0.4 * max(width, h)
+    # walls that reach beyond what they hold cost accuracy without tiling domains
+    overlong = domains != "mpm" if overlong is None else overlong
+    slack = 0.4 * max(width, h) if overlong else 0.0
     common = dict(band_ratio=band, formulation=formulation, bilateral=bilateral)
     push = matrix @ [0.0, (stretch - 1.0) * size] * length
     deck = [

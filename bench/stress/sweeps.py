@@ -32,6 +32,8 @@ ANGLES = [0.0, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 5.0, 15.0, 30.0, 44.999999, 45.0, 60.
           89.999, 90.0 - 1e-6, 90.0 - 1e-9, 90.0]
 BOTH = [("cpdi2", {}), ("mpm", {"domains": "mpm", "ppc": 2})]
 
+#: What the implicit boundary method owes with walls longer than the body.
+MPM_OVERLONG = 1.0e-2
 #: What points as mere quadrature points owe when they cross cells (theory, section 2): little.
 MPM_COLUMN = {"bound": 0.5}
 MPM_STEPS = {"bound": 0.3}
@@ -90,6 +92,8 @@ for _word, _domains in BOTH:
     SWEEPS += [Case(f"free to slide, {_word}", "block on smooth floor",
                     sliding(domains=_domains.get("domains")))]
 
+SWEEPS += sweep("long walls, mpm", patch, "angle", ANGLES, shift=(0.0, 0.0), overlong=True,
+                bound=MPM_OVERLONG, **BOTH[1][1])
 SWEEPS += sweep("wall of two segments", patch, "joint", [1e-9, 0.125, 0.3, 0.5, 1.0], angle=0.0,
                 shift=(0.0, 0.0))
 SWEEPS += sweep("two walls", corner, "opening", [5, 10, 20, 45, 60, 89, 90, 91, 120, 150, 170, 175, 179])

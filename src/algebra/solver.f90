@@ -85,7 +85,7 @@ contains
             <= symmetry_tolerance*maxval(abs(values))
          status = cholesky_factorise(self%cholesky, self%symmetric_values)
          self%factor_memory = cholesky_bytes(self%cholesky)
-         self%pivot_ratio = cholesky_pivot_ratio(self%cholesky)
+         if (status == 0) self%pivot_ratio = cholesky_pivot_ratio(self%cholesky)
       end if
       has_failed = .false.
       if (status /= 0) call factorise_lu(self, pattern, values, has_failed)

