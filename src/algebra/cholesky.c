@@ -91,14 +91,14 @@ int coulter_cholesky_solve(cholesky *self, double *b, double *x)
    return 0;
 }
 
-/* Bytes that the factor occupies. */
-long long coulter_cholesky_bytes(const cholesky *self)
-{
-   return (long long)self->factor->xsize * (long long)sizeof(double);
-}
-
 /* Smallest over largest pivot of the factor. */
 double coulter_cholesky_pivot_ratio(cholesky *self)
 {
    return cholmod_rcond(self->factor, &self->common);
+}
+
+/* Bytes that the factor occupies. */
+long long coulter_cholesky_bytes(const cholesky *self)
+{
+   return (long long)self->factor->xsize * (long long)sizeof(double);
 }

@@ -22,10 +22,10 @@ module coulter_algebra_lu
       integer(c_int), allocatable :: order(:)
       !> Bytes that the factors occupy.
       integer(long), public :: factor_memory = 0
-      !> Solves that needed refinement or another factorisation to be accurate.
-      integer, public :: n_repairs = 0
       !> Smallest over largest pivot of the last matrix.
       real(wp), public :: pivot_ratio = 0.0_wp
+      !> Solves that needed refinement or another factorisation to be accurate.
+      integer, public :: n_repairs = 0
    contains
       procedure :: analyse
       procedure :: factorise

@@ -43,8 +43,8 @@ module coulter_algebra_solver
    !> Entries that differ from their mirror images by less than this, over the largest entry, come
    !> from round-off.
    real(wp), parameter :: symmetry_tolerance = 1.0e-13_wp
-   !> Residual over the right-hand side that is accepted from GMRES: Newton's method stays quadratic
-   !> down to this factor.
+   !> Preconditioned residual, about the relative error of the solution, that is accepted from
+   !> GMRES: Newton's method stays quadratic down to this factor.
    real(wp), parameter :: gmres_tolerance = 1.0e-6_wp
 
 contains
@@ -85,7 +85,7 @@ contains
             <= symmetry_tolerance*maxval(abs(values))
          status = cholesky_factorise(self%cholesky, self%symmetric_values)
          self%factor_memory = cholesky_bytes(self%cholesky)
-         if (status == 0) self%pivot_ratio = cholesky_pivot_ratio(self%cholesky)
+         self%pivot_ratio = cholesky_pivot_ratio(self%cholesky)
       end if
       has_failed = .false.
       if (status /= 0) call factorise_lu(self, pattern, values, has_failed)

@@ -33,15 +33,15 @@ module coulter_boundary_contact
       real(wp) :: slide = 0.0_wp
       !> Distance of the corner from the first end of the moved segment, and length of that.
       real(wp) :: distance = 0.0_wp, length = 0.0_wp
-      !> Corner at the other end of the edge, and its distance from the first end of the segment.
-      integer :: other_corner = 0
-      real(wp) :: other_distance = 0.0_wp
       !> Number of the outer edge, and which of its ends the station is: its identity from step to
       !> step.
       integer :: edge = 0, end_of_edge = 0
       !> Traction (normal, tangential) that earlier rounds and steps left, for augmented
       !> formulations, and that of the current iteration, stress units.
       real(wp) :: memory(2) = 0.0_wp, traction(2) = 0.0_wp
+      !> Corner at the other end of the edge, and its distance from the first end of the segment.
+      integer :: other_corner = 0
+      real(wp) :: other_distance = 0.0_wp
       !> Is the corner held in both directions and also against being pulled off?
       logical :: is_bilateral = .false., is_fixed = .false.
    end type contact_type
@@ -212,10 +212,10 @@ contains
          contact%gap = gap(k)
          contact%distance = distance(k)
          contact%slide = distance(k) - held%distance(k)
-         contact%other_corner = tiling%outer_edge(3 - k, e)
-         contact%other_distance = distance(3 - k)
          contact%edge = e
          contact%end_of_edge = k
+         contact%other_corner = tiling%outer_edge(3 - k, e)
+         contact%other_distance = distance(3 - k)
          call append(contacts, contact)
       end do
    end subroutine meet

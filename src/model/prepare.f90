@@ -5,7 +5,7 @@ module coulter_model_prepare
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: area_and_centroid, overlap_area, polyline_distance
    use coulter_base_text, only: to_text
-   use coulter_boundary, only: boundary_type, formulation_implicit, kind_fixed
+   use coulter_boundary, only: formulation_implicit, kind_fixed
    use coulter_boundary_edge_load, only: find_loaded_edges, loaded_edge_type
    use coulter_model, only: model_type
    use coulter_model_control, only: domains_tiles
@@ -137,7 +137,10 @@ contains
                      .and. model%control%domains == domains_tiles) then
                call faults%add("boundary", b, "bilateral", "a fixed boundary must be bilateral")
             end if
-            if (is_too_soft(model, boundary)) then
+            if (boundary%formulation == formulation_implicit .and. boundary%has_coupling_term &
+                .and. largest_stiffness_ratio(model) > nearly_incompressible &
+                .and. boundary%band_ratio*largest_stiffness_ratio(model) &
+                > widest_yielding_band) then
                call faults%add("boundary", b, "", "band_ratio = "//to_text(boundary%band_ratio) &
                                //" is too wide for material that is nearly incompressible:" &
                                //" formulation 'implicit' needs a band_ratio of at most " &
@@ -157,18 +160,6 @@ contains
          end associate
       end do
    end subroutine check_boundaries
-
-   !> Is the band of the implicit boundary method too wide for nearly incompressible material?
-   pure function is_too_soft(model, boundary) result(answer)
-      type(model_type), intent(in) :: model
-      type(boundary_type), intent(in) :: boundary
-      logical :: answer
-      real(wp) :: ratio
-
-      ratio = largest_stiffness_ratio(model)
-      answer = boundary%formulation == formulation_implicit .and. boundary%has_coupling_term &
-         .and. ratio > nearly_incompressible .and. boundary%band_ratio*ratio > widest_yielding_band
-   end function is_too_soft
 
    !> Largest ratio of the confined to the shear modulus among the laws.
    pure function largest_stiffness_ratio(model) result(ratio)

@@ -84,9 +84,8 @@ contains
          slide = dot_product(contact%tangent, moved)
          call find_traction(contact%normal, contact%gap + dot_product(contact%normal, moved), 1)
       end associate
-      is_acting = acts(contact, contact%traction(1)/penalty(1), slide, &
-                       dot_product(contact%tangent, &
-                                   system%map%increment(:, contact%other_corner)), &
+      is_acting = acts(contact, contact%traction(1)/penalty(1), slide, dot_product( &
+                       contact%tangent, system%map%increment(:, contact%other_corner)), &
                        model%grid%smallest_spacing())
       if (.not. is_acting) then
          contact%traction = 0.0_wp
@@ -175,7 +174,11 @@ contains
    !> face, and the corner between them must not be pushed twice.
    pure function acts(contact, overlap, slide, other_slide, spacing) result(answer)
       type(contact_type), intent(in) :: contact
-      real(wp), intent(in) :: overlap, slide, other_slide, spacing
+      !> Traction over the penalty, and how far both ends of the edge move along the face, length
+      !> units.
+      real(wp), intent(in) :: overlap, slide, other_slide
+      !> Grid spacing.
+      real(wp), intent(in) :: spacing
       logical :: answer
       real(wp) :: distance, middle, slack
 

@@ -35,9 +35,11 @@ module coulter_step_newton
    !> Corrections beyond this many times the edges of the grid betray a singular tangent whose
    !> pivots round-off has kept from vanishing.
    real(wp), parameter :: largest_motion = 1.0e3_wp
+   !> Corrections below this share of the extent of the material change strains by round-off only.
+   real(wp), parameter :: round_off = 4.0_wp*epsilon(1.0_wp)
    !> Corrections within this share of the largest coordinate of the grid are round-off of
    !> positions: a body at rest on walls would feel their gaps for ever.
-   real(wp), parameter :: round_off = 16.0_wp*epsilon(1.0_wp)
+   real(wp), parameter :: position_round_off = 16.0_wp*epsilon(1.0_wp)
    !> A tangent whose smallest pivot is less than this share of its largest is nearly singular: the
    !> share is 1e-7 or more when all bodies are held, and 1e-15 when one of them is free to move.
    real(wp), parameter :: smallest_pivot = 1.0e-12_wp
@@ -150,14 +152,13 @@ contains
       call reduce(system%dofs, copy, reduced)
    end subroutine reduce_copy
 
-   !> Converged by residual, or by increment, which also covers bodies that move free of stress; a
-   !> correction that had to be shortened counts in full;
+   !> Converged by residual, or by increment, which also covers bodies that move free of stress;
    !> never before one correction has been made. Out of patience or out of numbers: a failure.
    subroutine judge(newton, model, is_done)
       type(newton_type), intent(inout) :: newton
       type(model_type), intent(in) :: model
       logical, intent(out) :: is_done
-      real(wp) :: residual
+      real(wp) :: residual, extent
 
       residual = newton%residuals(size(newton%residuals))
       is_done = .false.
@@ -166,8 +167,11 @@ contains
             .or. maxval(abs(newton%correction)) &
             <= model%control%increment_tolerance*maxval(abs(newton%unknowns))
          if (is_done) return
+         extent = maxval(maxval(model%points%position, dim=2) &
+                         - minval(model%points%position, dim=2) + model%grid%spacing)
          newton%is_limited_by_round_off = maxval(abs(newton%correction)) &
-            <= round_off*maxval(abs([model%grid%origin, model%grid%upper_corner()]))
+            <= max(round_off*extent, position_round_off &
+                   *maxval(abs([model%grid%origin, model%grid%upper_corner()])))
          is_done = newton%is_limited_by_round_off
       end if
       if (is_done) return
@@ -233,7 +237,8 @@ contains
       end do
       if (system%contacts%n > 0) call search_line(newton, system, model, share)
       if (allocated(newton%failure)) return
-      newton%unknowns = newton%unknowns + share*newton%correction
+      newton%correction = share*newton%correction
+      newton%unknowns = newton%unknowns + newton%correction
    end subroutine advance
 
    !> Look for the zero of G(a) = correction . residual(a) by regula falsi, roughly: a step is good
