@@ -19,9 +19,6 @@ module coulter_deck_boundaries
    !> to stresses that are wrong by a third (theory, section 3).
    real(wp), parameter :: widest_coupled_band = 1.0e-2_wp
 
-   !> Narrowest band for tiles: at 1e-12 Newton's method ends early.
-   real(wp), parameter :: narrowest_band = 1.0e-8_wp
-
 contains
 
    !> All fixities.
@@ -164,10 +161,6 @@ contains
 
       boundary%is_bilateral = boundary%kind == kind_fixed
       call get_value(deck, group, "band_ratio", boundary%band_ratio)
-      if (boundary%band_ratio < narrowest_band) then
-         call blame(deck, group, "band_ratio", "must be >= 1.0e-8 for domains = 'cpdi2': stiffer" &
-                    //" walls drown the stiffness of the material in round-off")
-      end if
       call get_value(deck, group, "bilateral", boundary%is_bilateral)
       if (boundary%kind == kind_fixed .and. .not. boundary%is_bilateral) then
          call blame(deck, group, "bilateral", "must be .true. unless kind = 'roller'")

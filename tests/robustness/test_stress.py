@@ -15,14 +15,13 @@ PROGRAM = Path(os.environ.get("COULTER_PROGRAM") or ROOT / "build/release/coulte
 #: Too slow for a test.
 SLOW = ("wedge", "steps")
 #: Sweeps that tiling domains solve without exception.
-SAFE = ("angle, cpdi2", "angle on nodes, cpdi2", "cut, cpdi2", "cut below, cpdi2",
+SAFE = ("band, cpdi2", "angle, cpdi2", "angle on nodes, cpdi2", "cut, cpdi2", "cut below, cpdi2",
         "grid offset, cpdi2", "nu, cpdi2", "modulus, cpdi2", "unit of length, cpdi2",
         "points per cell, cpdi2", "spacing, cpdi2", "spacing, aligned, cpdi2",
         "column load, cpdi2", "carried, cpdi2", "wall of two segments", "two walls, aligned",
         "column with walls", "two walls", "two walls, h = 1", "hourglass", "ghost penalty")
 #: Broken, see "Known faults" in docs/stability.md.
-KNOWN = [("angle on nodes, cpdi2", f"angle {angle}") for angle in (1e-06, 44.999999, 89.999999)]
-KNOWN.append(("grid offset, cpdi2", "3e-08 h at 45.0 degrees"))
+KNOWN = [("grid offset, cpdi2", "3e-08 h at 45.0 degrees")]
 FAST = [case for case in SWEEPS if not any(word in case.sweep for word in SLOW)]
 #: Every third case of the long sweeps, all of the short ones.
 CASES = [case for i, case in enumerate(FAST)
