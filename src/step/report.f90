@@ -7,6 +7,8 @@ module coulter_step_report
    use coulter_model, only: model_type
    use coulter_model_observer, only: scene_report_type, step_report_type
    use coulter_points, only: points_memory
+   use coulter_points_tile_quality, only: is_distorted
+   use coulter_points_tiling, only: measure_quality
    use coulter_step_dofs, only: reduce
    use coulter_step_newton, only: newton_type
    use coulter_step_system, only: system_memory, system_type
@@ -62,6 +64,9 @@ contains
       report%boundary_reactions = system%boundary_reaction
       call sum_fixity_reactions(report, model, system)
       call measure_penetrations(report, model)
+      if (allocated(model%tiling)) then
+         call measure_quality(model%tiling, report%worst_corner, report%worst_aspect)
+      end if
       call collect_warnings(report, model, system)
    end subroutine report_step
 
@@ -151,6 +156,11 @@ contains
             end if
          end associate
       end do
+      if (is_distorted(report%worst_corner, report%worst_aspect)) then
+         call add_warning(report%warnings, "tiles are distorted, their forces cannot be trusted:" &
+                          //" worst corner "//to_text(report%worst_corner, 2)//", worst aspect " &
+                          //to_text(report%worst_aspect, 2)//" (both 1 at the start)")
+      end if
    end subroutine collect_warnings
 
    !> Append a line.
