@@ -9,12 +9,10 @@ module coulter_points_tile_quality
    private
    public :: corner_jacobians, aspect_ratio, relative_jacobian, is_distorted
 
-   !> Tiles are distorted when a corner has less than this share of its first Jacobian, ...
+   !> Tiles are distorted when the relative Jacobian of a corner is less than this, ...
    real(wp), parameter :: least_jacobian = 0.2_wp
    !> ... or when the aspect is more than this multiple of the first one.
    real(wp), parameter :: largest_aspect = 5.0_wp
-   !> Corners that are flatter than this from the start are measured as if they were not.
-   real(wp), parameter :: flat = 0.5_wp
 
 contains
 
@@ -52,13 +50,14 @@ contains
       aspect = max(maxval(sum(edge**2, dim=1)), 0.5_wp*maxval(sum(diagonal**2, dim=1)))/area
    end function aspect_ratio
 
-   !> Least Jacobian of the corners relative to the first ones: 1 for every affine map.
+   !> Least Jacobian of the corners relative to the first ones: 1 plus the largest loss, so that a
+   !> corner that is flat from the start may stay so; 1 for every affine map.
    pure function relative_jacobian(jacobian, first) result(least)
       !> Jacobians of the corners, now and of the undeformed tile.
       real(wp), intent(in) :: jacobian(4), first(4)
       real(wp) :: least
 
-      least = minval(1.0_wp + (jacobian - first)/max(first, flat))
+      least = 1.0_wp + minval(jacobian - first)
    end function relative_jacobian
 
    !> Are tiles so far from their first shape that their forces cannot be trusted?
