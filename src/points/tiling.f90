@@ -11,7 +11,7 @@ module coulter_points_tiling
    implicit none(type, external)
    private
    public :: tiling_type, new_tiling, corner_gradients, corner_weights, tile_centroid, &
-      tile_outlines, measure_quality
+      tile_outlines, measure_quality, nearest_outer_edge
 
    !> Tiles and their corners; tile p is the domain of point p.
    type :: tiling_type
@@ -128,12 +128,45 @@ contains
       end do
    end function tile_outlines
 
+   !> Outer edge that is nearest to a position, and where along it the foot of that lies: 0 at its
+   !> first end, 1 at its last, beyond for feet beside it.
+   pure subroutine nearest_outer_edge(tiling, position, edge, share, mask)
+      !> Tiles.
+      type(tiling_type), intent(in) :: tiling
+      !> Position, length units.
+      real(wp), intent(in) :: position(2)
+      !> Number of the edge, 0 if none is allowed.
+      integer, intent(out) :: edge
+      !> Place of the foot over the length of the edge.
+      real(wp), intent(out) :: share
+      !> Edges that are allowed, shape (n_edges); all if absent.
+      logical, intent(in), optional :: mask(:)
+      real(wp) :: first(2), along(2), here, distance, nearest
+      integer :: e
+
+      edge = 0
+      share = 0.0_wp
+      nearest = huge(nearest)
+      do e = 1, size(tiling%outer_edge, 2)
+         if (present(mask)) then
+            if (.not. mask(e)) cycle
+         end if
+         first = tiling%position(:, tiling%outer_edge(1, e))
+         along = tiling%position(:, tiling%outer_edge(2, e)) - first
+         here = dot_product(position - first, along)/dot_product(along, along)
+         distance = norm2(position - first - min(max(here, 0.0_wp), 1.0_wp)*along)
+         if (distance >= nearest) cycle
+         nearest = distance
+         edge = e
+         share = here
+      end do
+   end subroutine nearest_outer_edge
+
    !> How far the worst tiles are from their undeformed shape.
    pure subroutine measure_quality(tiling, worst_corner, worst_aspect)
       !> Tiles in their present position.
       type(tiling_type), intent(in) :: tiling
-      !> Least Jacobian of a corner relative to the first one: 1 for affine maps, see
-      !> `relative_jacobian`.
+      !> Least Jacobian of a corner relative to the first one, see `relative_jacobian`.
       real(wp), intent(out) :: worst_corner
       !> Largest aspect over the first one.
       real(wp), intent(out) :: worst_aspect

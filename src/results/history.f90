@@ -147,9 +147,10 @@ contains
                     "force of every fixity on the bodies, per unit thickness in plane strain", &
                     model%units%force)
       call add_real(file, "worst_corner", [integer ::], &
-                    "least scaled Jacobian of a tile's corner over the first one", "1")
+                    "1 plus the least change of the scaled Jacobian of a tile's corner", "1")
       call add_real(file, "worst_aspect", [integer ::], &
                     "largest aspect of a tile over the first one", "1")
+      call add_integer(file, "has_retiled", "1 where the bodies were tiled anew after the step")
       call add_real(file, "body_force", [2], "total body force", model%units%force)
       call put_fixity_names(file, model)
    end subroutine add_boundary_columns
@@ -178,6 +179,7 @@ contains
                           report%fixity_reactions)
       call file%put_reals("history/worst_corner", row, 1, [report%worst_corner])
       call file%put_reals("history/worst_aspect", row, 1, [report%worst_aspect])
+      call put_integer(file, "has_retiled", row, merge(1, 0, report%has_retiled))
       call file%put_reals("history/body_force", row, 2, report%body_force)
    end subroutine put_boundary_columns
 

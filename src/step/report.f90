@@ -7,14 +7,13 @@ module coulter_step_report
    use coulter_model, only: model_type
    use coulter_model_observer, only: scene_report_type, step_report_type
    use coulter_points, only: points_memory
-   use coulter_points_tile_quality, only: is_distorted
    use coulter_points_tiling, only: measure_quality
    use coulter_step_dofs, only: reduce
    use coulter_step_newton, only: newton_type
    use coulter_step_system, only: system_memory, system_type
    implicit none(type, external)
    private
-   public :: report_scene, report_step
+   public :: report_scene, report_step, add_warning
 
    !> Boundary length that carries no load is reported from this share of the whole.
    real(wp), parameter :: notable_share = 1.0e-3_wp
@@ -156,16 +155,13 @@ contains
             end if
          end associate
       end do
-      if (is_distorted(report%worst_corner, report%worst_aspect)) then
-         call add_warning(report%warnings, "tiles are distorted, their forces cannot be trusted:" &
-                          //" worst corner "//to_text(report%worst_corner, 2)//", worst aspect " &
-                          //to_text(report%worst_aspect, 2)//" (both 1 at the start)")
-      end if
    end subroutine collect_warnings
 
    !> Append a line.
    pure subroutine add_warning(warnings, line)
+      !> Lines so far.
       character(len=:), allocatable, intent(inout) :: warnings
+      !> Line to append.
       character(len=*), intent(in) :: line
 
       if (len(warnings) > 0) warnings = warnings//new_line("a")
