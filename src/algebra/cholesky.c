@@ -14,7 +14,8 @@ typedef struct {
    cholmod_factor *factor;
 } cholesky;
 
-/* CHOLMOD 5 starts four threads whatever the caller wants; its fronts are too small for them. */
+/* CHOLMOD of SuiteSparse 5 asks for four threads whatever the caller wants; its fronts are too
+ * small for them. */
 static int forbid_threads(void)
 {
    int levels = omp_get_max_active_levels();
@@ -41,7 +42,7 @@ cholesky *coulter_cholesky_new(int n, const int *column_start, const int *row, c
    int n_entries = column_start[n], levels = forbid_threads();
    cholmod_start(&self->common);
    self->common.print = 0;
-   self->common.supernodal = CHOLMOD_SUPERNODAL; /* the only kind that notices indefiniteness */
+   self->common.supernodal = CHOLMOD_SUPERNODAL; /* simplicial LDL' passes over indefiniteness */
    self->common.nmethods = 1;
    self->common.method[0].ordering = order ? CHOLMOD_GIVEN : CHOLMOD_AMD;
    self->common.postorder = 1;
@@ -88,6 +89,12 @@ int coulter_cholesky_solve(cholesky *self, double *b, double *x)
    memcpy(x, answer->x, n * sizeof(double));
    cholmod_free_dense(&answer, &self->common);
    return 0;
+}
+
+/* Smallest over largest pivot of the factor. */
+double coulter_cholesky_pivot_ratio(cholesky *self)
+{
+   return cholmod_rcond(self->factor, &self->common);
 }
 
 /* Bytes that the factor occupies. */

@@ -4,7 +4,8 @@ module coulter_algebra_cholesky
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_long_long, c_ptr
    implicit none(type, external)
    private
-   public :: cholesky_new, cholesky_factorise, cholesky_solve, cholesky_bytes, cholesky_free
+   public :: cholesky_new, cholesky_factorise, cholesky_solve, cholesky_pivot_ratio
+   public :: cholesky_bytes, cholesky_free
 
    interface
       !> Analyse a symmetric pattern; a null pointer on failure.
@@ -37,6 +38,15 @@ module coulter_algebra_cholesky
          real(c_double), intent(out) :: x(*)
          integer(c_int) :: status
       end function cholesky_solve
+
+      !> Smallest over largest pivot of the factor.
+      function cholesky_pivot_ratio(handle) result(ratio) &
+         bind(C, name="coulter_cholesky_pivot_ratio")
+         import :: c_double, c_ptr
+         implicit none(type, external)
+         type(c_ptr), value :: handle
+         real(c_double) :: ratio
+      end function cholesky_pivot_ratio
 
       !> Bytes that the factor occupies.
       function cholesky_bytes(handle) result(bytes) bind(C, name="coulter_cholesky_bytes")

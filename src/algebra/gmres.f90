@@ -15,7 +15,8 @@ module coulter_algebra_gmres
 
 contains
 
-   !> Solve A x = b with right preconditioning, so that the measured residual is the true one.
+   !> Solve A x = b with left preconditioning: the residual that is measured is close to the error
+   !> of x, whatever penalties weigh in A.
    subroutine solve_gmres(factor, pattern, values, b, tolerance, x, has_failed)
       !> Factor of the symmetric part of A.
       type(c_ptr), intent(in) :: factor
@@ -25,7 +26,7 @@ contains
       real(wp), intent(in) :: values(:)
       !> Right-hand side, shape (n).
       real(wp), intent(in) :: b(:)
-      !> Largest accepted residual over the norm of b.
+      !> Largest accepted preconditioned residual over that of x = 0.
       real(wp), intent(in) :: tolerance
       !> Solution, shape (n).
       real(wp), intent(out) :: x(:)
@@ -33,36 +34,30 @@ contains
       logical, intent(out) :: has_failed
       real(wp) :: basis(size(b), most_iterations + 1), direction(size(b))
       real(wp) :: hessenberg(most_iterations + 1, most_iterations), rotation(2, most_iterations)
-      real(wp) :: right(most_iterations + 1), share(most_iterations)
+      real(wp) :: right(most_iterations + 1), share(most_iterations), start
       integer :: k
 
       x = 0.0_wp
-      right = 0.0_wp
-      right(1) = norm2(b)
-      has_failed = .not. right(1) > 0.0_wp
+      has_failed = cholesky_solve(factor, b, basis(:, 1)) /= 0
       if (has_failed) return
-      basis(:, 1) = b/right(1)
+      right = 0.0_wp
+      right(1) = norm2(basis(:, 1))
+      start = right(1)
+      if (.not. start > 0.0_wp) return
+      basis(:, 1) = basis(:, 1)/start
       do k = 1, most_iterations
-         call precondition(factor, basis(:, k), direction)
-         call multiply(pattern, values, direction, basis(:, k + 1))
+         call multiply(pattern, values, basis(:, k), direction)
+         has_failed = cholesky_solve(factor, direction, basis(:, k + 1)) /= 0
+         if (has_failed) return
          call orthogonalise(basis(:, :k + 1), hessenberg(:k + 1, k))
          call rotate(hessenberg(:k + 1, k), rotation(:, :k), right(k:k + 1))
-         if (abs(right(k + 1)) <= tolerance*norm2(b)) exit
+         if (abs(right(k + 1)) <= tolerance*start) exit
       end do
       has_failed = k > most_iterations
       if (has_failed) return
       call solve_triangle(hessenberg(:k, :k), right(:k), share(:k))
-      call precondition(factor, matmul(basis(:, :k), share(:k)), x)
+      x = matmul(basis(:, :k), share(:k))
    end subroutine solve_gmres
-
-   !> Apply the inverse of the symmetric part; without memory for it, do nothing.
-   subroutine precondition(factor, vector, direction)
-      type(c_ptr), intent(in) :: factor
-      real(wp), intent(in) :: vector(:)
-      real(wp), intent(out) :: direction(:)
-
-      if (cholesky_solve(factor, vector, direction) /= 0) direction = vector
-   end subroutine precondition
 
    !> Make the last vector orthogonal to the others and of unit length (modified Gram-Schmidt).
    pure subroutine orthogonalise(basis, column)

@@ -4,7 +4,7 @@ module coulter_algebra_lu
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_null_ptr, c_ptr
    use coulter_algebra_sparse, only: multiply, pattern_type
    use coulter_algebra_umfpack, only: control_refinement_steps, control_scale, control_strategy, &
-      info_numeric_size, n_control, n_info, scale_none, scale_sum, strategy_auto, &
+      info_numeric_size, info_rcond, n_control, n_info, scale_none, scale_sum, strategy_auto, &
       strategy_symmetric, system_a, umfpack_di_defaults, umfpack_di_free_numeric, &
       umfpack_di_free_symbolic, umfpack_di_numeric, umfpack_di_qsymbolic, umfpack_di_solve, &
       umfpack_di_symbolic
@@ -22,6 +22,8 @@ module coulter_algebra_lu
       integer(c_int), allocatable :: order(:)
       !> Bytes that the factors occupy.
       integer(long), public :: factor_memory = 0
+      !> Smallest over largest pivot of the last matrix.
+      real(wp), public :: pivot_ratio = 0.0_wp
       !> Solves that needed refinement or another factorisation to be accurate.
       integer, public :: n_repairs = 0
    contains
@@ -94,7 +96,10 @@ contains
       status = umfpack_di_numeric(pattern%column_start, pattern%row, values, self%symbolic, &
                                   self%numeric, self%control, info)
       has_failed = status /= 0
-      if (.not. has_failed) self%factor_memory = 8*int(info(info_numeric_size), long)
+      self%pivot_ratio = 0.0_wp
+      if (has_failed) return
+      self%factor_memory = 8*int(info(info_numeric_size), long)
+      self%pivot_ratio = info(info_rcond)
    end subroutine factorise
 
    !> Solve A x = b and check the answer; when it is not accurate, repeat with iterative refinement,

@@ -8,7 +8,7 @@
 module coulter_algebra_solver
    use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_null_ptr, c_ptr
    use coulter_algebra_cholesky, only: cholesky_bytes, cholesky_factorise, cholesky_free, &
-      cholesky_new, cholesky_solve
+      cholesky_new, cholesky_pivot_ratio, cholesky_solve
    use coulter_algebra_gmres, only: solve_gmres
    use coulter_algebra_lu, only: is_accurate, lu_type
    use coulter_algebra_sparse, only: find_mirror, pattern_type
@@ -25,6 +25,8 @@ module coulter_algebra_solver
       integer(long) :: factor_memory = 0
       !> Systems that Cholesky could not solve after all, and that LU had to repair.
       integer :: n_repairs = 0
+      !> Smallest over largest pivot of the last matrix: small when it is nearly singular.
+      real(wp) :: pivot_ratio = 0.0_wp
       type(c_ptr), private :: cholesky = c_null_ptr
       type(lu_type), private :: lu
       logical, private :: is_lu_analysed = .false., is_lu_factorised = .false.
@@ -41,8 +43,8 @@ module coulter_algebra_solver
    !> Entries that differ from their mirror images by less than this, over the largest entry, come
    !> from round-off.
    real(wp), parameter :: symmetry_tolerance = 1.0e-13_wp
-   !> Residual over the right-hand side that is accepted from GMRES: Newton's method stays quadratic
-   !> down to this factor.
+   !> Preconditioned residual, about the relative error of the solution, that is accepted from
+   !> GMRES: Newton's method stays quadratic down to this factor.
    real(wp), parameter :: gmres_tolerance = 1.0e-6_wp
 
 contains
@@ -83,6 +85,7 @@ contains
             <= symmetry_tolerance*maxval(abs(values))
          status = cholesky_factorise(self%cholesky, self%symmetric_values)
          self%factor_memory = cholesky_bytes(self%cholesky)
+         self%pivot_ratio = cholesky_pivot_ratio(self%cholesky)
       end if
       has_failed = .false.
       if (status /= 0) call factorise_lu(self, pattern, values, has_failed)
@@ -166,6 +169,7 @@ contains
       call self%lu%factorise(pattern, values, has_failed)
       self%is_lu_factorised = .not. has_failed
       self%factor_memory = self%lu%factor_memory
+      self%pivot_ratio = self%lu%pivot_ratio
    end subroutine factorise_lu
 
 end module coulter_algebra_solver

@@ -17,7 +17,7 @@ module coulter_algebra_umfpack
    real(c_double), parameter, public :: strategy_symmetric = 3.0_c_double
    real(c_double), parameter, public :: scale_none = 0.0_c_double, scale_sum = 1.0_c_double
    !> Place of the size of the factors, in units of 8 bytes, in the information array (from 1).
-   integer, parameter, public :: info_numeric_size = 41
+   integer, parameter, public :: info_numeric_size = 41, info_rcond = 68
    !> Solve A x = b with A in compressed columns.
    integer(c_int), parameter, public :: system_a = 0
 

@@ -5,7 +5,8 @@ module coulter_boundary
    implicit none(type, external)
    private
    public :: boundary_type, kind_roller, kind_fixed
-   public :: formulation_implicit, formulation_nitsche, nitsche_band_ratio
+   public :: formulation_implicit, formulation_nitsche, formulation_augmented
+   public :: nitsche_band_ratio, augmented_band_ratio
 
    !> Only the displacement along the normal is prescribed.
    integer, parameter :: kind_roller = 1
@@ -17,12 +18,16 @@ module coulter_boundary
    !> Stations on the corners of tiles, with the traction of the material (Nitsche).
    integer, parameter :: formulation_nitsche = 2
 
+   !> Stations on the corners of tiles, with augmented Lagrangian updates of a symmetric penalty.
+   integer, parameter :: formulation_augmented = 3
+   !> Penalty band over the spacing that suits augmented Lagrangian updates.
+   real(wp), parameter :: augmented_band_ratio = 0.02_wp
    !> Penalty band over the spacing that suits Nitsche's method: any is exact in a patch test, this
    !> one is stiff enough against penetration and soft enough for the linear algebra.
    real(wp), parameter :: nitsche_band_ratio = 0.1_wp
 
    !> A chain of straight segments with the material on the left of each, at which the
-   !> displacement is prescribed by the Implicit Boundary Method (theory, section 3).
+   !> displacement is prescribed (theory, sections 3 and 4).
    type :: boundary_type
       !> Name under which reactions are reported.
       character(len=:), allocatable :: name

@@ -12,7 +12,7 @@ module coulter_boundary_contact
    implicit none(type, external)
    private
    public :: contact_type, contacts_type, held_edge_type, find_held_edges, build_contacts
-   public :: carry_held_edges
+   public :: carry_held_edges, recall_contacts
 
    !> One end of an outer edge against one face.
    type :: contact_type
@@ -33,6 +33,15 @@ module coulter_boundary_contact
       real(wp) :: slide = 0.0_wp
       !> Distance of the corner from the first end of the moved segment, and length of that.
       real(wp) :: distance = 0.0_wp, length = 0.0_wp
+      !> Number of the outer edge, and which of its ends the station is: its identity from step to
+      !> step.
+      integer :: edge = 0, end_of_edge = 0
+      !> Traction (normal, tangential) that earlier rounds and steps left, for augmented
+      !> formulations, and that of the current iteration, stress units.
+      real(wp) :: memory(2) = 0.0_wp, traction(2) = 0.0_wp
+      !> Corner at the other end of the edge, and its distance from the first end of the segment.
+      integer :: other_corner = 0
+      real(wp) :: other_distance = 0.0_wp
       !> Is the corner held in both directions and also against being pulled off?
       logical :: is_bilateral = .false., is_fixed = .false.
    end type contact_type
@@ -57,7 +66,7 @@ module coulter_boundary_contact
    real(wp), parameter :: touching = 1.0e-6_wp
    !> Faces this far away may be met within a step, over the spacing.
    real(wp), parameter :: reach = 4.0_wp
-   !> Corners deeper behind a face than this belong to something else, over the spacing.
+   !> Edges deeper behind a face than this and the reach belong to something else, over the spacing.
    real(wp), parameter :: deepest = 1.0_wp
 
 contains
@@ -168,6 +177,31 @@ contains
       end do
    end subroutine build_contacts
 
+   !> Give stations the tractions that the last step left at the same place.
+   pure subroutine recall_contacts(contacts, last)
+      !> Stations to equip, ordered by edge.
+      type(contacts_type), intent(inout) :: contacts
+      !> Stations of the last accepted step, ordered by edge.
+      type(contacts_type), intent(in) :: last
+      integer :: i, j, first
+
+      first = 1
+      do i = 1, contacts%n
+         associate (new => contacts%item(i))
+            do while (first <= last%n)
+               if (last%item(first)%edge >= new%edge) exit
+               first = first + 1
+            end do
+            do j = first, last%n
+               if (last%item(j)%edge > new%edge) exit
+               if (last%item(j)%end_of_edge /= new%end_of_edge) cycle
+               if (last%item(j)%boundary /= new%boundary) cycle
+               if (last%item(j)%segment == new%segment) new%memory = last%item(j)%traction
+            end do
+         end associate
+      end do
+   end subroutine recall_contacts
+
    !> Stations at both ends of an edge against one face.
    pure subroutine meet(contacts, boundary, b, s, segment, tiling, e, held, reach, deepest)
       type(contacts_type), intent(inout) :: contacts
@@ -208,6 +242,10 @@ contains
          contact%gap = gap(k)
          contact%distance = distance(k)
          contact%slide = distance(k) - held%distance(k)
+         contact%edge = e
+         contact%end_of_edge = k
+         contact%other_corner = tiling%outer_edge(3 - k, e)
+         contact%other_distance = distance(3 - k)
          call append(contacts, contact)
       end do
    end subroutine meet

@@ -2,8 +2,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_deck_boundaries
    use coulter_base_kinds, only: wp
-   use coulter_boundary, only: boundary_type, formulation_implicit, formulation_nitsche, &
-      kind_fixed, kind_roller, nitsche_band_ratio
+   use coulter_boundary, only: augmented_band_ratio, boundary_type, formulation_augmented, &
+      formulation_implicit, formulation_nitsche, kind_fixed, kind_roller, nitsche_band_ratio
    use coulter_deck_document, only: blame, deck_type, first_group, find_groups
    use coulter_deck_outline, only: new_polyline
    use coulter_deck_references, only: check_unique_names, get_reference
@@ -137,28 +137,28 @@ contains
       type(boundary_type), intent(inout) :: boundary
       integer :: choice
 
-      choice = 2
+      choice = 3
       if (domains == domains_tiles) choice = 1
       call get_choice(deck, group, "formulation", choice)
-      if (choice == 1 .neqv. domains == domains_tiles) then
-         call blame(deck, group, "formulation", "must be 'nitsche' for domains = 'cpdi2', and" &
-                    //" 'implicit' or 'penalty' for 'mpm'")
-      else if (choice == 1) then
-         call read_nitsche(deck, group, boundary)
+      if (choice <= 2 .neqv. domains == domains_tiles) then
+         call blame(deck, group, "formulation", "must be 'nitsche' or 'augmented' for domains =" &
+                    //" 'cpdi2', and 'implicit' or 'penalty' for 'mpm'")
+      else if (choice <= 2) then
+         boundary%formulation = merge(formulation_nitsche, formulation_augmented, choice == 1)
+         boundary%band_ratio = merge(nitsche_band_ratio, augmented_band_ratio, choice == 1)
+         call read_contact(deck, group, boundary)
       else
-         boundary%has_coupling_term = choice == 2
+         boundary%has_coupling_term = choice == 3
          call read_implicit(deck, group, boundary)
       end if
    end subroutine read_formulation
 
    !> Settings of boundaries that act on the corners of tiles.
-   subroutine read_nitsche(deck, group, boundary)
+   subroutine read_contact(deck, group, boundary)
       type(deck_type), intent(inout) :: deck
       integer, intent(in) :: group
       type(boundary_type), intent(inout) :: boundary
 
-      boundary%formulation = formulation_nitsche
-      boundary%band_ratio = nitsche_band_ratio
       boundary%is_bilateral = boundary%kind == kind_fixed
       call get_value(deck, group, "band_ratio", boundary%band_ratio)
       call get_value(deck, group, "bilateral", boundary%is_bilateral)
@@ -166,8 +166,8 @@ contains
          call blame(deck, group, "bilateral", "must be .true. unless kind = 'roller'")
       end if
       call refuse(deck, group, "gauss_points", "belongs to domains = 'mpm'")
-      call refuse(deck, group, "memory", "belongs to domains = 'mpm'; 'nitsche' needs none")
-   end subroutine read_nitsche
+      call refuse(deck, group, "memory", "belongs to domains = 'mpm'; tiles need none")
+   end subroutine read_contact
 
    !> Settings of boundaries that act on segments.
    subroutine read_implicit(deck, group, boundary)
@@ -183,7 +183,7 @@ contains
       end if
       call get_value(deck, group, "gauss_points", boundary%n_gauss)
       call get_value(deck, group, "memory", boundary%has_memory)
-      call refuse(deck, group, "bilateral", "belongs to formulation = 'nitsche'")
+      call refuse(deck, group, "bilateral", "belongs to domains = 'cpdi2'")
    end subroutine read_implicit
 
    !> Corners of a boundary with the material on their left.

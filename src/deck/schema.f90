@@ -38,7 +38,7 @@ module coulter_deck_schema
       !> Default as written in a deck, `required`, or a remark in parentheses.
       character(len=20) :: default
       !> Conditions such as "> 0 <= 1", or the words of a choice; empty if all is allowed.
-      character(len=26) :: range
+      character(len=36) :: range
       !> What it means.
       character(len=110) :: meaning
    end type variable_rule_type
@@ -77,7 +77,7 @@ module coulter_deck_schema
       variable_rule_type("scene", "force_unit", "text", 1, 1, "", "(none)", "", &
          "label of forces, such as 'N'"), &
       variable_rule_type("grid", "origin", "real", 2, 2, "length", required, "", &
-         "lower left corner of the grid"), &
+         "lower left corner of the grid, within 1.0e7 cells of (0, 0)"), &
       variable_rule_type("grid", "spacing", "real", 1, 2, "length", required, "> 0", &
          "edge of a cell: one value for both directions, or one each"), &
       variable_rule_type("grid", "cells", "integer", 2, 2, "", required, ">= 1 <= 1000000", &
@@ -137,12 +137,13 @@ module coulter_deck_schema
       variable_rule_type("boundary", "table", "text", 1, 1, "", "(ramp)", "", &
          "name of the table that schedules the displacement; else proportional to time"), &
       variable_rule_type("boundary", "formulation", "choice", 1, 1, "", "(by domains)", &
-         "nitsche implicit penalty", "`nitsche` for cpdi2; for mpm `implicit`, the paper's " &
-         //"K2 + K2^T + K3, or `penalty`, K3 alone"), &
+         "nitsche augmented implicit penalty", "cpdi2: `nitsche`, or `augmented` Lagrangian; " &
+         //"mpm: `implicit`, the paper's K2 + K2^T + K3, or `penalty`, K3"), &
       variable_rule_type("boundary", "bilateral", "logical", 1, 1, "", ".false.", "", &
-         "with `nitsche`: is material that starts on the boundary held against pulling off?"), &
-      variable_rule_type("boundary", "band_ratio", "real", 1, 1, "", "(0.1, mpm: 5.0e-6)", &
-         "> 0 <= 1", "penalty band over the grid spacing; at most 0.01 with `implicit`"), &
+         "cpdi2: is material that starts on the boundary held against pulling off?"), &
+      variable_rule_type("boundary", "band_ratio", "real", 1, 1, "", "(by formulation)", &
+         "> 0 <= 1", "penalty band over the spacing: 0.1 nitsche, 0.02 augmented, " &
+         //"5.0e-6 implicit (at most 0.01), penalty"), &
       variable_rule_type("boundary", "gauss_points", "integer", 1, 1, "", "(2)", ">= 1 <= 3", &
          "mpm: per segment and cell; one misses uniform stress, more lock in bending"), &
       variable_rule_type("boundary", "memory", "logical", 1, 1, "", "(.false.)", "", &
@@ -180,7 +181,7 @@ module coulter_deck_schema
       variable_rule_type("control", "domains", "choice", 1, 1, "", "'cpdi2'", "cpdi2 mpm", &
          "points own polygons that tile the body, or are mere quadrature points"), &
       variable_rule_type("control", "hourglass", "real", 1, 1, "", "0.5", ">= 0 <= 1", &
-         "cpdi2: stiffness against hourglass modes of tiles, 1 for that of full integration"), &
+         "cpdi2: stiffness against hourglass modes of tiles, 1 is exact for squares in bending"), &
       variable_rule_type("control", "ghost_penalty", "real", 1, 1, "", "1.0e-3", ">= 0 <= 0.1", &
          "cpdi2: stabilisation near the outline over the shear modulus"), &
       variable_rule_type("control", "retile", "choice", 1, 1, "", "'auto'", "auto never", &
@@ -191,6 +192,8 @@ module coulter_deck_schema
          "largest accepted residual norm over the norm of the internal or external force"), &
       variable_rule_type("control", "increment_tolerance", "real", 1, 1, "", "1.0e-11", &
          "> 0 < 1", "largest accepted Newton correction over the displacement of the step"), &
+      variable_rule_type("control", "augmentations", "integer", 1, 1, "", "1", ">= 0 <= 20", &
+         "updates of `augmented` boundaries in a step"), &
       variable_rule_type("control", "max_iterations", "integer", 1, 1, "", "25", &
          ">= 1 <= 1000", "Newton iterations before a step counts as failed"), &
       variable_rule_type("control", "max_halvings", "integer", 1, 1, "", "6", ">= 0 <= 30", &

@@ -15,6 +15,9 @@ module coulter_deck_settings
    private
    public :: read_scene, read_grid, read_control, read_output
 
+   !> Positions farther away than this many cells have too few digits for tractions on walls.
+   real(wp), parameter :: farthest_cell = 1.0e7_wp
+
 contains
 
    !> Title and labels; empty where the deck gives none.
@@ -61,6 +64,10 @@ contains
       if (.not. allocated(cells)) cells = [1, 1]
       call new_grid(grid, origin, spacing, cells, error)
       if (allocated(error)) call blame(deck, group, "", error%message)
+      if (any(abs(origin) > farthest_cell*spacing)) then
+         call blame(deck, group, "origin", "must be within 1.0e7 cells of (0, 0): farther away" &
+                    //" positions have too few digits")
+      end if
    end subroutine read_grid
 
    !> How a load step is solved.
@@ -84,6 +91,7 @@ contains
       call get_value(deck, group, "ghost_penalty", control%ghost_ratio)
       call get_value(deck, group, "tolerance", control%tolerance)
       call get_value(deck, group, "increment_tolerance", control%increment_tolerance)
+      call get_value(deck, group, "augmentations", control%n_augmentations)
       call get_value(deck, group, "max_iterations", control%max_iterations)
       call get_value(deck, group, "max_halvings", control%max_halvings)
       call get_value(deck, group, "fill_tolerance", control%fill_tolerance)

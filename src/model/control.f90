@@ -29,7 +29,7 @@ module coulter_model_control
    type :: control_type
       !> What a point stands for: one of `domains_*`.
       integer :: domains = domains_points
-      !> Hourglass stiffness of tiles over that of an exactly integrated quadrilateral.
+      !> Hourglass stiffness of tiles over the one that is exact for a square in bending.
       real(wp) :: hourglass_ratio = 0.5_wp
       !> Are bodies tiled anew when their tiles are distorted?
       logical :: may_retile = .true.
@@ -42,6 +42,8 @@ module coulter_model_control
       !> Largest accepted Newton correction over the largest displacement increment of the step;
       !> passing this test alone is enough.
       real(wp) :: increment_tolerance = 1.0e-11_wp
+      !> Augmented Lagrangian updates in a step, for boundaries that use them.
+      integer :: n_augmentations = 1
       !> Newton iterations before a step counts as failed.
       integer :: max_iterations = 25
       !> How often a failed step may be halved.

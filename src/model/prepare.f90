@@ -5,6 +5,7 @@ module coulter_model_prepare
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: area_and_centroid, overlap_area, polyline_distance
    use coulter_base_text, only: to_text
+   use coulter_boundary, only: formulation_implicit, kind_fixed
    use coulter_boundary_edge_load, only: find_loaded_edges, loaded_edge_type
    use coulter_model, only: model_type
    use coulter_model_control, only: domains_tiles
@@ -15,6 +16,11 @@ module coulter_model_prepare
 
    !> Regions may overlap by this share of the smaller one: round-off of the deck's digits.
    real(wp), parameter :: accepted_overlap = 1.0e-6_wp
+   !> Ratio of the confined to the shear modulus above which a material is nearly incompressible.
+   real(wp), parameter :: nearly_incompressible = 10.0_wp
+   !> Largest band of the implicit boundary method with its K2, over the spacing and times the ratio
+   !> of moduli: the stress error of a patch is a fifth of it.
+   real(wp), parameter :: widest_yielding_band = 5.0e-2_wp
 
    !> A region with its place in the list of all regions, bodies in order.
    type :: located_region_type
@@ -123,6 +129,24 @@ contains
                call faults%add("boundary", b, "vertices", "two corners in a row coincide")
                cycle
             end if
+            if ((boundary%formulation == formulation_implicit) &
+                .eqv. (model%control%domains == domains_tiles)) then
+               call faults%add("boundary", b, "formulation", "does not suit the domains of the" &
+                               //" points: 'nitsche' or 'augmented' for tiles, else 'implicit'")
+            else if (boundary%kind == kind_fixed .and. .not. boundary%is_bilateral &
+                     .and. model%control%domains == domains_tiles) then
+               call faults%add("boundary", b, "bilateral", "a fixed boundary must be bilateral")
+            end if
+            if (boundary%formulation == formulation_implicit .and. boundary%has_coupling_term &
+                .and. largest_stiffness_ratio(model) > nearly_incompressible &
+                .and. boundary%band_ratio*largest_stiffness_ratio(model) &
+                > widest_yielding_band) then
+               call faults%add("boundary", b, "", "band_ratio = "//to_text(boundary%band_ratio) &
+                               //" is too wide for material that is nearly incompressible:" &
+                               //" formulation 'implicit' needs a band_ratio of at most " &
+                               //to_text(widest_yielding_band/largest_stiffness_ratio(model), 3))
+               cycle
+            end if
             if (boundary%may_start_apart) cycle
             distance = huge(distance)
             do r = 1, size(regions)
@@ -136,6 +160,20 @@ contains
          end associate
       end do
    end subroutine check_boundaries
+
+   !> Largest ratio of the confined to the shear modulus among the laws.
+   pure function largest_stiffness_ratio(model) result(ratio)
+      type(model_type), intent(in) :: model
+      real(wp) :: ratio
+      real(wp) :: lame_lambda, shear_modulus
+      integer :: i
+
+      ratio = 0.0_wp
+      do i = 1, size(model%laws)
+         call model%laws(i)%law%elastic_moduli(lame_lambda, shear_modulus)
+         ratio = max(ratio, lame_lambda/shear_modulus + 2.0_wp)
+      end do
+   end function largest_stiffness_ratio
 
    !> Length of the shortest segment of a polyline.
    pure function shortest_segment(vertices) result(length)

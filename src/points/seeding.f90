@@ -17,8 +17,13 @@ module coulter_points_seeding
    !> and their position would be round-off.
    real(wp), parameter :: smallest_share = 1.0e-10_wp
 
-   !> Corners of tiles nearer than this share of a sub-cell are one.
+   !> Corners of tiles nearer than this share of a sub-cell to a line between sub-cells are on it.
+   real(wp), parameter :: snap_tolerance = 2.0e-7_wp
+   !> Corners of a domain nearer than this share of a sub-cell are one.
    real(wp), parameter :: corner_tolerance = 1.0e-7_wp
+   !> Corners of different tiles nearer than this share of that are one: so much less that no tile
+   !> loses a corner by it.
+   real(wp), parameter :: merge_share = 0.25_wp
 
    !> Points found so far, in arrays that grow. Corners are kept only when domains shall tile.
    type :: seed_list_type
@@ -66,7 +71,8 @@ contains
       call seed_bodies(seeds, grid, bodies)
       call collect_points(points, seeds, n_state)
       call new_tiling(tiling, seeds%vertices(:, :, :seeds%n), &
-                      corner_tolerance*grid%smallest_spacing())
+                      merge_share*corner_tolerance*grid%smallest_spacing() &
+                      /real(maxval(bodies%points_per_cell), wp))
    end subroutine seed_tiles
 
    !> Seed all regions of all bodies.
@@ -137,6 +143,10 @@ contains
          call clip_box(whole, 2, line(2, j), line(2, j + 1), row)
          do i = first(1), last(1)
             call clip_box(row, 1, line(1, i), line(1, i + 1), domain)
+            if (seeds%has_tiles) then
+               call snap(domain, [line(1, i), line(2, j)], edge)
+               call snap(domain, [line(1, i + 1), line(2, j + 1)], edge)
+            end if
             call add_domain(seeds, domain, edge, body)
          end do
       end do
@@ -153,6 +163,18 @@ contains
       end function line
 
    end subroutine seed_region
+
+   !> Move corners that nearly lie on a line between sub-cells onto it, in the sub-cells on both
+   !> sides of it alike: outlines along grid lines leave no slivers.
+   pure subroutine snap(domain, line, edge)
+      type(polygon_type), intent(inout) :: domain
+      real(wp), intent(in) :: line(2), edge(2)
+      integer :: k
+
+      do k = 1, domain%n
+         where (abs(domain%corner(:, k) - line) <= snap_tolerance*edge) domain%corner(:, k) = line
+      end do
+   end subroutine snap
 
    !> Append the point that owns a domain, or those that own its tiles.
    pure subroutine add_domain(seeds, domain, edge, body)

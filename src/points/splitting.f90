@@ -7,6 +7,9 @@ module coulter_points_splitting
    private
    public :: split_polygon
 
+   !> Areas smaller than this share of the square of a length are round-off.
+   real(wp), parameter :: round_off = 1.0e-12_wp
+
 contains
 
    !> Cut a simple polygon into tiles. Convex ones lose the best quadrilateral first; at a
@@ -81,7 +84,7 @@ contains
    end subroutine choose_cut
 
    !> Area of the smaller one of the first `n_cut` corners and the rest; not chosen if the cut
-   !> leaves the polygon.
+   !> leaves the polygon or runs through another of its corners, which would hang between tiles.
    pure function cut_score(corner, n_cut) result(score)
       real(wp), intent(in) :: corner(:, :)
       integer, intent(in) :: n_cut
@@ -95,7 +98,7 @@ contains
       score = min(cut, rest)
       if (n_cut > 3) return
       do i = 4, n
-         if (is_inside(corner(:, :3), corner(:, i))) score = -huge(score)/2.0_wp
+         if (touches(corner(:, :3), corner(:, i))) score = -huge(score)/2.0_wp
       end do
    end function cut_score
 
@@ -111,19 +114,24 @@ contains
       answer = .true.
       do i = 1, n
          answer = answer .and. turn(corner(:, i), corner(:, modulo(i, n) + 1), &
-                                    corner(:, modulo(i + 1, n) + 1)) >= -1.0e-12_wp*size_of**2
+                                    corner(:, modulo(i + 1, n) + 1)) >= -round_off*size_of**2
       end do
    end function is_convex
 
-   !> Does a point lie in the interior of a counter-clockwise triangle?
-   pure function is_inside(corner, position) result(answer)
+   !> Does a point lie in a counter-clockwise triangle or on its edges, but not at its corners?
+   pure function touches(corner, position) result(answer)
       real(wp), intent(in) :: corner(2, 3), position(2)
       logical :: answer
+      real(wp) :: distance(3), slack
+      integer :: i
 
-      answer = turn(corner(:, 1), corner(:, 2), position) > 0.0_wp .and. &
-         turn(corner(:, 2), corner(:, 3), position) > 0.0_wp .and. &
-         turn(corner(:, 3), corner(:, 1), position) > 0.0_wp
-   end function is_inside
+      distance = norm2(corner - spread(position, 2, 3), dim=1)
+      slack = round_off*maxval(distance)**2
+      answer = minval(distance)**2 > slack
+      do i = 1, 3
+         answer = answer .and. turn(corner(:, i), corner(:, modulo(i, 3) + 1), position) >= -slack
+      end do
+   end function touches
 
    !> Twice the signed area of a triangle: positive for a left turn.
    pure function turn(first, second, third) result(value)

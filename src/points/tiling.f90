@@ -183,7 +183,8 @@ contains
       end do
    end subroutine measure_quality
 
-   !> Gamma = (h - (h.X) g)/4 with h = (1, -1, 1, -1); zero for triangles.
+   !> Gamma = (h - (h.X) g)/4 with h = (1, -1, 1, -1). In triangles it sees nothing: the shares of
+   !> the repeated corner cancel, the others vanish.
    pure function hourglass_vector(corner) result(gamma)
       real(wp), intent(in) :: corner(2, 4)
       real(wp) :: gamma(4)
@@ -191,7 +192,9 @@ contains
       real(wp) :: gradient(2, 4), area
 
       call corner_gradients(corner, gradient, area)
-      gamma = 0.25_wp*(pattern - matmul(matmul(corner, pattern), gradient))
+      ! relative to the first corner, so that far from the origin no digits are lost
+      gamma = 0.25_wp*(pattern &
+                       - matmul(matmul(corner - spread(corner(:, 1), 2, 4), pattern), gradient))
    end function hourglass_vector
 
    !> Number the distinct corners in the order of their x coordinate.

@@ -3,7 +3,8 @@
 module coulter_results_log_scene
    use coulter_base_kinds, only: long, wp
    use coulter_base_text, only: to_text
-   use coulter_boundary, only: boundary_type, formulation_nitsche, kind_roller
+   use coulter_boundary, only: boundary_type, formulation_augmented, formulation_implicit, &
+      kind_roller
    use coulter_model, only: model_type
    use coulter_model_control, only: small_cells_aggregate, small_cells_drop, &
       small_cells_keep
@@ -95,7 +96,8 @@ contains
 
       text = "fixed"
       if (boundary%kind == kind_roller) text = "roller"
-      if (boundary%formulation == formulation_nitsche) then
+      if (boundary%formulation /= formulation_implicit) then
+         if (boundary%formulation == formulation_augmented) text = text//", augmented"
          if (.not. boundary%is_bilateral) text = text//", pushes only"
       else
          text = text//", penalty"

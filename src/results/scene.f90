@@ -2,7 +2,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_results_scene
    use coulter_base_kinds, only: long, wp
-   use coulter_boundary, only: boundary_type, formulation_nitsche, kind_roller
+   use coulter_boundary, only: boundary_type, formulation_augmented, formulation_implicit, &
+      formulation_nitsche, kind_roller
    use coulter_grid, only: grid_type
    use coulter_model, only: model_type, units_type
    use coulter_results_hdf5_io, only: hdf5_file_type, kind_integer, kind_real
@@ -100,7 +101,7 @@ contains
       type(boundary_type), intent(in) :: boundaries(:)
       character(len=name_length) :: names(size(boundaries))
       character(len=6) :: kinds(size(boundaries))
-      character(len=8) :: formulations(size(boundaries))
+      character(len=9) :: formulations(size(boundaries))
       integer(long) :: is_bilateral(size(boundaries))
       integer(long) :: ends(size(boundaries) + 1)
       integer :: i
@@ -130,10 +131,12 @@ contains
    !> Word of the deck for the formulation of a boundary.
    pure function formulation_name(boundary) result(name)
       type(boundary_type), intent(in) :: boundary
-      character(len=8) :: name
+      character(len=9) :: name
 
       if (boundary%formulation == formulation_nitsche) then
          name = "nitsche"
+      else if (boundary%formulation == formulation_augmented) then
+         name = "augmented"
       else if (boundary%has_coupling_term) then
          name = "implicit"
       else
@@ -146,7 +149,8 @@ contains
       type(boundary_type), intent(in) :: boundary
       logical :: answer
 
-      answer = boundary%formulation == formulation_nitsche .and. .not. boundary%is_bilateral
+      answer = boundary%formulation /= formulation_implicit &
+         .and. .not. boundary%is_bilateral
    end function is_wall
 
    !> Set a text attribute, empty where the text is unallocated.

@@ -51,6 +51,7 @@ contains
       call move_boundaries(model, system)
       model%time = system%end_time
       system%last_stations = system%stations
+      system%last_contacts = system%contacts
    end subroutine accept_step
 
    !> Trial state and motion of all points, those of left-out cells included.

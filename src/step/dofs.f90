@@ -11,9 +11,9 @@ module coulter_step_dofs
    private
    public :: dofs_type, number_dofs, nodes_of_filled_cells, couple_cells, expand, reduce
 
-   !> Numbering of the nodal displacements, with aggregation of badly filled cells: an outer node,
-   !> one that no filled cell touches, follows by extrapolation from the nearest filled cell
-   !> (theory, section 3, trap 3).
+   !> Numbering of the nodal displacements, with aggregation: an outer node, one that no filled cell
+   !> touches (points) or that carries too little area (tiles), follows by extrapolation from the
+   !> nearest cell that may lead (theory, section 3, trap 3, and section 4).
    type :: dofs_type
       !> Number of unknowns.
       integer :: n_dofs = 0
@@ -31,6 +31,9 @@ module coulter_step_dofs
       !> Their shares, shape (4, n_outer).
       real(wp), allocatable :: share(:, :)
    end type dofs_type
+
+   !> Cells farther away than this many others belong to something else and do not lead.
+   integer, parameter :: farthest_ring = 4
 
 contains
 
@@ -220,13 +223,30 @@ contains
       do k = 1, dofs%n_outer
          associate (index => cells%node_index(:, dofs%outer(k)))
             c = nearest_leading_cell(grid, cells, may_lead, fill, index)
+            if (c == 0) then
+               call set_free(dofs, k)
+               cycle
+            end if
             dofs%master(:, k) = cells%node(:, c)
             dofs%share(:, k) = shape_values_2d(real(index - cells%cell_index(:, c), wp))
          end associate
       end do
    end subroutine follow_cells
 
-   !> Number of the leading cell whose centre is nearest to a node; the fuller one if several are.
+   !> Make an outer node that has nothing to follow an unknown of its own.
+   pure subroutine set_free(dofs, k)
+      type(dofs_type), intent(inout) :: dofs
+      integer, intent(in) :: k
+
+      associate (dof => dofs%dof(:, dofs%outer(k)))
+         where (dof < 0) dof = 1
+      end associate
+      dofs%master(:, k) = dofs%outer(k)
+      dofs%share(:, k) = 0.0_wp
+   end subroutine set_free
+
+   !> Number of the leading cell whose centre is nearest to a node; the fuller one if several are;
+   !> 0 if none is near.
    pure function nearest_leading_cell(grid, cells, may_lead, fill, node) result(nearest)
       type(grid_type), intent(in) :: grid
       type(cells_type), intent(in) :: cells
@@ -239,7 +259,7 @@ contains
 
       nearest = 0
       least = huge(least)
-      last_ring = maxval(ubound(cells%cell_at) - lbound(cells%cell_at)) + 1
+      last_ring = farthest_ring
       ring = 0
       do while (ring <= last_ring)
          do j = node(2) - 1 - ring, node(2) + ring

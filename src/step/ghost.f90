@@ -21,7 +21,8 @@ module coulter_step_ghost
       integer, allocatable :: cell(:)
    end type ghost_type
 
-   !> Cells filled less than this are cut by the outline.
+   !> Cells filled less than this count as cut by the outline. The fill is sampled, so cells inside
+   !> a deformed body may count as well.
    real(wp), parameter :: full = 0.999_wp
 
 contains

@@ -3,9 +3,11 @@
 module coulter_step_newton
    use coulter_base_kinds, only: wp
    use coulter_base_text, only: to_text
+   use coulter_boundary, only: nitsche_band_ratio
    use coulter_model, only: model_type
    use coulter_model_observer, only: phase_assemble, phase_factorise, phase_solve
    use coulter_step_assembly, only: assemble
+   use coulter_step_contact_forces, only: augment_contacts
    use coulter_step_dofs, only: expand, reduce
    use coulter_step_system, only: system_type
    implicit none(type, external)
@@ -18,6 +20,10 @@ module coulter_step_newton
       integer :: n_iterations = 0
       !> Relative residual before every iteration and at the end, shape (n_iterations + 1).
       real(wp), allocatable :: residuals(:)
+      !> Was the last tangent nearly singular, so that something may move without any force?
+      logical :: is_nearly_singular = .false.
+      !> Did round-off end the iteration, with a residual above the tolerance?
+      logical :: is_limited_by_round_off = .false.
       !> Why there is no equilibrium; unallocated when there is.
       character(len=:), allocatable :: failure
       !> Displacement increments, their last correction, and the unbalanced force, shape (n_dofs).
@@ -29,6 +35,14 @@ module coulter_step_newton
    !> Corrections beyond this many times the edges of the grid betray a singular tangent whose
    !> pivots round-off has kept from vanishing.
    real(wp), parameter :: largest_motion = 1.0e3_wp
+   !> Corrections below this share of the extent of the material change strains by round-off only.
+   real(wp), parameter :: round_off = 4.0_wp*epsilon(1.0_wp)
+   !> Corrections within this share of the largest coordinate of the grid are round-off of
+   !> positions: a body at rest on walls would feel their gaps for ever.
+   real(wp), parameter :: position_round_off = 16.0_wp*epsilon(1.0_wp)
+   !> A tangent whose smallest pivot is less than this share of its largest is nearly singular: the
+   !> share is 1e-7 or more when all bodies are held, and 1e-15 when one of them is free to move.
+   real(wp), parameter :: smallest_pivot = 1.0e-12_wp
    !> Evaluations that a line search may take, and the fall of |G| that is enough.
    integer, parameter :: most_searches = 6
    real(wp), parameter :: good_share = 0.8_wp
@@ -45,16 +59,26 @@ contains
       !> Scene at the start of the step.
       type(model_type), intent(in) :: model
       logical :: is_done
+      integer :: round
 
       associate (n => system%dofs%n_dofs)
          allocate (newton%unknowns(n), newton%correction(n), source=0.0_wp)
          allocate (newton%unbalanced(n), newton%residuals(0))
       end associate
       call evaluate(newton, system, model, newton%unknowns)
+      round = 0
       do while (.not. allocated(newton%failure))
          call measure(newton, system)
          call judge(newton, model, is_done)
-         if (is_done) exit
+         if (is_done) then
+            if (round == model%control%n_augmentations .or. allocated(newton%failure)) exit
+            call augment_contacts(system, model, has_changed=is_done)
+            if (.not. is_done) exit
+            round = round + 1
+            newton%correction = huge(newton%correction)
+            call evaluate(newton, system, model, newton%unknowns)
+            cycle
+         end if
          call find_correction(newton, system, model)
          if (allocated(newton%failure)) exit
          call advance(newton, system, model)
@@ -95,7 +119,6 @@ contains
          residual = 1.0_wp
       end if
       newton%residuals = [newton%residuals, residual]
-
    end subroutine measure
 
    !> Force that is not in balance, reduced to the unknowns.
@@ -135,7 +158,7 @@ contains
       type(newton_type), intent(inout) :: newton
       type(model_type), intent(in) :: model
       logical, intent(out) :: is_done
-      real(wp) :: residual
+      real(wp) :: residual, extent
 
       residual = newton%residuals(size(newton%residuals))
       is_done = .false.
@@ -143,6 +166,13 @@ contains
          is_done = residual <= model%control%tolerance &
             .or. maxval(abs(newton%correction)) &
             <= model%control%increment_tolerance*maxval(abs(newton%unknowns))
+         if (is_done) return
+         extent = maxval(maxval(model%points%position, dim=2) &
+                         - minval(model%points%position, dim=2) + model%grid%spacing)
+         newton%is_limited_by_round_off = maxval(abs(newton%correction)) &
+            <= max(round_off*extent, position_round_off &
+                   *maxval(abs([model%grid%origin, model%grid%upper_corner()])))
+         is_done = newton%is_limited_by_round_off
       end if
       if (is_done) return
       is_done = newton%n_iterations >= model%control%max_iterations &
@@ -169,11 +199,25 @@ contains
       call system%watch%stop()
       if (.not. has_failed) has_failed = maxval(abs(newton%correction)) &
          > largest_motion*maxval(model%grid%upper_corner() - model%grid%origin)
+      newton%is_nearly_singular = system%solver%pivot_ratio < least_pivot_ratio(model)
       if (has_failed) then
          newton%failure = "the tangent is singular: the material is unstable, or a body is free" &
             //" to move since no boundary or fixity holds it"
       end if
    end subroutine find_correction
+
+   !> Ratio of pivots below which a tangent is nearly singular. Penalties over bands that are
+   !> smaller than usual make the largest pivots larger.
+   pure function least_pivot_ratio(model) result(ratio)
+      type(model_type), intent(in) :: model
+      real(wp) :: ratio
+      integer :: b
+
+      ratio = smallest_pivot
+      do b = 1, size(model%boundaries)
+         ratio = min(ratio, smallest_pivot*model%boundaries(b)%band_ratio/nitsche_band_ratio)
+      end do
+   end function least_pivot_ratio
 
    !> Apply the correction, shortened as far as it takes to keep every point the right side out and,
    !> where contacts may open and close, to come nearer to equilibrium.

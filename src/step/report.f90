@@ -18,6 +18,9 @@ module coulter_step_report
    !> Boundary length that carries no load is reported from this share of the whole.
    real(wp), parameter :: notable_share = 1.0e-3_wp
 
+   !> Residuals above this are warned of where round-off, not the tolerance, ended the iteration.
+   real(wp), parameter :: notable_residual = 1.0e-5_wp
+
 contains
 
    !> Facts about the scene, once the first system is numbered.
@@ -67,6 +70,7 @@ contains
          call measure_quality(model%tiling, report%worst_corner, report%worst_aspect)
       end if
       call collect_warnings(report, model, system)
+      call doubt(report, newton)
    end subroutine report_step
 
    !> Force of every fixity on the body: what the held components lack in balance.
@@ -156,6 +160,24 @@ contains
          end associate
       end do
    end subroutine collect_warnings
+
+   !> Warn of answers that are not determined well.
+   pure subroutine doubt(report, newton)
+      type(step_report_type), intent(inout) :: report
+      type(newton_type), intent(in) :: newton
+      real(wp) :: residual
+
+      if (newton%is_nearly_singular) then
+         call add_warning(report%warnings, "the tangent is nearly singular: a body may be free to" &
+                          //" move, since no boundary or fixity holds it, and its place arbitrary")
+      end if
+      residual = newton%residuals(size(newton%residuals))
+      if (newton%is_limited_by_round_off .and. residual > notable_residual) then
+         call add_warning(report%warnings, "the strains of this step are hardly more than" &
+                          //" round-off: forces balance to "//to_text(residual, 2) &
+                          //" of their size only")
+      end if
+   end subroutine doubt
 
    !> Append a line.
    pure subroutine add_warning(warnings, line)

@@ -82,6 +82,8 @@ contains
       call carry_loaded_edges(loaded, tiling, system%loaded_edges, model%tiling)
       call move_alloc(held, system%held_edges)
       call move_alloc(loaded, system%loaded_edges)
+      ! remembered tractions belong to edges that are gone
+      system%last_contacts%n = 0
       model%tiling = tiling
       model%points = points
    end subroutine retile_model

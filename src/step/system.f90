@@ -46,6 +46,8 @@ module coulter_step_system
       type(tile_map_type) :: map
       !> Contacts on their outer edges, and the edges that bilateral boundaries keep for good.
       type(contacts_type) :: contacts
+      !> Contacts of the last accepted step, for tractions with memory.
+      type(contacts_type) :: last_contacts
       type(held_edge_type), allocatable :: held_edges(:)
       !> Edges that carry loads for good.
       type(loaded_edge_type), allocatable :: loaded_edges(:)

@@ -1,15 +1,38 @@
-!> From tiles to the system: forces to corners, matrices to the tangent.
+!> What single tiles answer, and how it enters the system: forces at corners, tangent entries.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_tile_scatter
    use coulter_algebra_sparse, only: add_element_matrix
    use coulter_base_kinds, only: wp
+   use coulter_model, only: model_type
+   use coulter_step_point_kernel, only: point_response_type, respond
    use coulter_step_system, only: system_type
    use coulter_step_unknowns, only: condense, max_unknowns
    implicit none(type, external)
    private
-   public :: add_at_corners, scatter_tile
+   public :: respond_tile, add_at_corners, scatter_tile
 
 contains
+
+   !> Stress and moduli of a tile at the current increments.
+   subroutine respond_tile(system, model, tile, response, has_failed)
+      !> System of the step.
+      type(system_type), intent(in) :: system
+      !> Scene at the start of the step.
+      type(model_type), intent(in) :: model
+      !> Number of the tile.
+      integer, intent(in) :: tile
+      !> What it answers.
+      type(point_response_type), intent(out) :: response
+      !> Is it turned inside out, or did its law fail?
+      logical, intent(out) :: has_failed
+
+      associate (item => model%laws(model%bodies(model%points%body(tile))%law))
+         call respond(item%law, system%map%gradient(:, :, tile), &
+                      system%map%increment(:, model%tiling%corner(:, tile)), &
+                      model%points%converged%elastic_finger(:, tile), &
+                      model%points%converged%law_state(:, tile), response, has_failed)
+      end associate
+   end subroutine respond_tile
 
    !> Add the forces of a tile to those of its corners; a triangle has one corner twice.
    pure subroutine add_at_corners(corner, force, at_corners)

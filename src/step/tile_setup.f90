@@ -3,7 +3,8 @@
 module coulter_step_tile_setup
    use coulter_algebra_sparse, only: add_element_matrix, element_dofs_type
    use coulter_base_kinds, only: wp
-   use coulter_boundary_contact, only: build_contacts, find_held_edges
+   use coulter_boundary, only: formulation_augmented
+   use coulter_boundary_contact, only: build_contacts, find_held_edges, recall_contacts
    use coulter_boundary_edge_load, only: find_loaded_edges
    use coulter_model, only: boundary_motion, model_type
    use coulter_model_control, only: small_cells_aggregate
@@ -43,6 +44,9 @@ contains
       end do
       call build_contacts(system%contacts, model%boundaries, motion, model%tiling, &
                           system%held_edges, model%grid%smallest_spacing())
+      if (any(model%boundaries%formulation == formulation_augmented)) then
+         call recall_contacts(system%contacts, system%last_contacts)
+      end if
       call find_stabilised_faces(system, model)
    end subroutine find_tile_participants
 
@@ -57,15 +61,12 @@ contains
       logical, intent(out) :: has_failed
       logical :: is_core(system%cells%n_nodes), may_lead(system%cells%n_cells)
       type(coupling_type) :: faces
-      integer :: c
 
-      is_core = .true.
-      if (model%control%small_cells == small_cells_aggregate) then
-         is_core = system%map%node_area >= model%control%fill_tolerance
-      end if
-      do c = 1, system%cells%n_cells
-         may_lead(c) = all(is_core(system%cells%node(:, c)))
-      end do
+      is_core = system%map%node_area >= model%control%fill_tolerance &
+         .or. model%control%small_cells /= small_cells_aggregate
+      may_lead = all_are_core(system, is_core)
+      ! a body smaller than a cell has nothing to follow
+      is_core = is_core .or. .not. any(may_lead)
       call number_dofs(system%dofs, model%grid, system%cells, is_core, may_lead, &
                        system%map%fill, model%fixities)
       call couple_tiles(system, model)
@@ -75,6 +76,18 @@ contains
       call renew_pattern(system, joined(system%coupling%elements, faces%elements), has_failed)
       if (.not. has_failed) call set_ghost_values(system, faces)
    end subroutine number_tile_system
+
+   !> Are all nodes of a cell unknowns of their own?
+   pure function all_are_core(system, is_core) result(answer)
+      type(system_type), intent(in) :: system
+      logical, intent(in) :: is_core(:)
+      logical :: answer(system%cells%n_cells)
+      integer :: c
+
+      do c = 1, system%cells%n_cells
+         answer(c) = all(is_core(system%cells%node(:, c)))
+      end do
+   end function all_are_core
 
    !> Faces that need a ghost penalty, with the shear modulus of the material beside them.
    subroutine find_stabilised_faces(system, model)
