@@ -8,11 +8,11 @@ module coulter_boundary_contact
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: boundary_type, kind_fixed
    use coulter_boundary_segment, only: lies_on, new_segment, segment_type
-   use coulter_points_tiling, only: tiling_type
+   use coulter_points_tiling, only: nearest_outer_edge, tiling_type
    implicit none(type, external)
    private
    public :: contact_type, contacts_type, held_edge_type, find_held_edges, build_contacts
-   public :: recall_contacts
+   public :: carry_held_edges, recall_contacts
 
    !> One end of an outer edge against one face.
    type :: contact_type
@@ -110,6 +110,36 @@ contains
       if (.not. lies_on(segment, ends, tolerance)) return
       held = held_edge_type(b, s, matmul(segment%tangent, ends - spread(segment%first, 2, 2)))
    end subroutine hold_edge
+
+   !> Hold the outer edges of new tiles as those of the old ones were that lay there.
+   pure subroutine carry_held_edges(held, tiling, old_held, old_tiling)
+      !> What holds every new outer edge, shape (n_edges).
+      type(held_edge_type), allocatable, intent(out) :: held(:)
+      !> New tiles.
+      type(tiling_type), intent(in) :: tiling
+      !> What holds every old outer edge.
+      type(held_edge_type), intent(in) :: old_held(:)
+      !> Old tiles.
+      type(tiling_type), intent(in) :: old_tiling
+      real(wp) :: ends(2, 2), share
+      integer :: e, k, old
+
+      allocate (held(size(tiling%outer_edge, 2)))
+      if (.not. any(old_held%boundary > 0)) return
+      do e = 1, size(held)
+         ends = tiling%position(:, tiling%outer_edge(:2, e))
+         call nearest_outer_edge(old_tiling, 0.5_wp*sum(ends, dim=2), old, share)
+         if (old_held(old)%boundary == 0) cycle
+         held(e) = old_held(old)
+         do k = 1, 2
+            call nearest_outer_edge(old_tiling, ends(:, k), old, share, &
+                                    old_held%boundary == held(e)%boundary &
+                                    .and. old_held%segment == held(e)%segment)
+            held(e)%distance(k) = (1.0_wp - share)*old_held(old)%distance(1) &
+               + share*old_held(old)%distance(2)
+         end do
+      end do
+   end subroutine carry_held_edges
 
    !> Stations of a step: every outer edge against every face within reach that it looks at, with
    !> the faces where they are at the end of the step.

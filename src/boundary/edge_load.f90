@@ -3,10 +3,10 @@
 module coulter_boundary_edge_load
    use coulter_base_kinds, only: wp
    use coulter_boundary_segment, only: lies_on, new_segment, segment_type
-   use coulter_points_tiling, only: tiling_type
+   use coulter_points_tiling, only: nearest_outer_edge, tiling_type
    implicit none(type, external)
    private
-   public :: edge_load_type, loaded_edge_type, find_loaded_edges
+   public :: edge_load_type, loaded_edge_type, find_loaded_edges, carry_loaded_edges
 
    !> A load on all edges of tiled bodies that lie on a polyline at the start.
    type :: edge_load_type
@@ -59,16 +59,89 @@ contains
                if (.not. is_loaded(loads(load), tiling%position(:, edge(:2)), &
                                    touching*spacing)) cycle
                n = n + 1
-               found(n)%load = load
-               found(n)%tile = edge(3)
-               found(n)%vertex = [findloc(tiling%corner(:, edge(3)), edge(1), dim=1), &
-                                  findloc(tiling%corner(:, edge(3)), edge(2), dim=1)]
-               found(n)%length = norm2(tiling%position(:, edge(2)) - tiling%position(:, edge(1)))
+               call place_load(found(n), load, tiling, e)
             end associate
          end do
       end do
       edges = found(:n)
    end subroutine find_loaded_edges
+
+   !> Let the outer edges of new tiles carry the loads of the old ones that lay there. The length at
+   !> the start of the run is shared out anew, so that no part of a dead load is lost.
+   pure subroutine carry_loaded_edges(edges, tiling, old_edges, old_tiling)
+      !> New edges that carry loads.
+      type(loaded_edge_type), allocatable, intent(out) :: edges(:)
+      !> New tiles.
+      type(tiling_type), intent(in) :: tiling
+      !> Old edges that carry loads.
+      type(loaded_edge_type), intent(in) :: old_edges(:)
+      !> Old tiles.
+      type(tiling_type), intent(in) :: old_tiling
+      type(loaded_edge_type) :: found(maxval([0, old_edges%load])*size(tiling%outer_edge, 2))
+      logical :: is_loaded(size(old_tiling%outer_edge, 2))
+      real(wp) :: stretch(size(is_loaded)), share
+      integer :: load, e, n, first, old
+
+      n = 0
+      do load = 1, maxval([0, old_edges%load])
+         first = n + 1
+         call mark_loaded(old_edges, load, old_tiling, is_loaded, stretch)
+         if (.not. any(is_loaded)) cycle
+         do e = 1, size(tiling%outer_edge, 2)
+            associate (edge => tiling%outer_edge(:, e))
+               call nearest_outer_edge(old_tiling, &
+                                       0.5_wp*sum(tiling%position(:, edge(:2)), dim=2), old, share)
+            end associate
+            if (.not. is_loaded(old)) cycle
+            n = n + 1
+            call place_load(found(n), load, tiling, e)
+            found(n)%length = stretch(old)*found(n)%length
+         end do
+         found(first:n)%length = found(first:n)%length &
+            *sum(old_edges%length, mask=old_edges%load == load)/sum(found(first:n)%length)
+      end do
+      edges = found(:n)
+   end subroutine carry_loaded_edges
+
+   !> Outer edges that carry a load, and their length at the start of the run over the present one.
+   pure subroutine mark_loaded(edges, load, tiling, is_loaded, stretch)
+      type(loaded_edge_type), intent(in) :: edges(:)
+      integer, intent(in) :: load
+      type(tiling_type), intent(in) :: tiling
+      logical, intent(out) :: is_loaded(:)
+      real(wp), intent(out) :: stretch(:)
+      integer :: k, e
+
+      is_loaded = .false.
+      stretch = 1.0_wp
+      do k = 1, size(edges)
+         if (edges(k)%load /= load) cycle
+         associate (ends => tiling%corner(edges(k)%vertex, edges(k)%tile))
+            do e = 1, size(is_loaded)
+               if (any(tiling%outer_edge(:2, e) /= ends)) cycle
+               is_loaded(e) = .true.
+               stretch(e) = edges(k)%length &
+                  /norm2(tiling%position(:, ends(2)) - tiling%position(:, ends(1)))
+            end do
+         end associate
+      end do
+   end subroutine mark_loaded
+
+   !> Put a load on an outer edge.
+   pure subroutine place_load(loaded, load, tiling, e)
+      type(loaded_edge_type), intent(out) :: loaded
+      integer, intent(in) :: load
+      type(tiling_type), intent(in) :: tiling
+      integer, intent(in) :: e
+
+      associate (edge => tiling%outer_edge(:, e))
+         loaded%load = load
+         loaded%tile = edge(3)
+         loaded%vertex = [findloc(tiling%corner(:, edge(3)), edge(1), dim=1), &
+                          findloc(tiling%corner(:, edge(3)), edge(2), dim=1)]
+         loaded%length = norm2(tiling%position(:, edge(2)) - tiling%position(:, edge(1)))
+      end associate
+   end subroutine place_load
 
    !> Does an edge lie on one of the segments of a load?
    pure function is_loaded(load, ends, tolerance) result(answer)

@@ -184,6 +184,8 @@ module coulter_deck_schema
          "cpdi2: stiffness against hourglass modes of tiles, 1 is exact for squares in bending"), &
       variable_rule_type("control", "ghost_penalty", "real", 1, 1, "", "1.0e-3", ">= 0 <= 0.1", &
          "cpdi2: stabilisation near the outline over the shear modulus"), &
+      variable_rule_type("control", "retile", "choice", 1, 1, "", "'auto'", "auto never", &
+         "cpdi2: `auto` tiles the bodies anew between steps when tiles are distorted"), &
       variable_rule_type("control", "solver", "choice", 1, 1, "", "'auto'", "auto umfpack", &
          "`auto` takes Cholesky where it works and LU elsewhere, `umfpack` always LU"), &
       variable_rule_type("control", "tolerance", "real", 1, 1, "", "1.0e-8", "> 0 < 1", &

@@ -95,6 +95,9 @@ contains
       call get_value(deck, group, "max_iterations", control%max_iterations)
       call get_value(deck, group, "max_halvings", control%max_halvings)
       call get_value(deck, group, "fill_tolerance", control%fill_tolerance)
+      choice = merge(1, 2, control%may_retile)
+      call get_choice(deck, group, "retile", choice)
+      control%may_retile = choice == 1
       choice = merge(2, 1, control%is_lu_only)
       call get_choice(deck, group, "solver", choice)
       control%is_lu_only = choice == 2
@@ -107,6 +110,7 @@ contains
       if (control%domains == domains_points) then
          call refuse(deck, group, "hourglass", "belongs to domains = 'cpdi2'")
          call refuse(deck, group, "ghost_penalty", "belongs to domains = 'cpdi2'")
+         call refuse(deck, group, "retile", "belongs to domains = 'cpdi2'")
       end if
    end subroutine read_control
 

@@ -31,6 +31,8 @@ module coulter_model_control
       integer :: domains = domains_points
       !> Hourglass stiffness of tiles over the one that is exact for a square in bending.
       real(wp) :: hourglass_ratio = 0.5_wp
+      !> Are bodies tiled anew when their tiles are distorted?
+      logical :: may_retile = .true.
       !> Ghost penalty over the shear modulus, on cell faces near the outline of tiled bodies.
       real(wp) :: ghost_ratio = 1.0e-3_wp
       !> Are all systems solved by LU, symmetric ones as well?

@@ -64,6 +64,11 @@ module coulter_model_observer
       real(wp), allocatable :: penetrations(:)
       !> Length of every boundary that acts on material, length units, shape (n_boundaries).
       real(wp), allocatable :: loaded_lengths(:)
+      !> Least scaled Jacobian of a tile's corner, and largest aspect of a tile, relative to the
+      !> undeformed tile; 1 without tiles.
+      real(wp) :: worst_corner = 1.0_wp, worst_aspect = 1.0_wp
+      !> Have the bodies been tiled anew after the step?
+      logical :: has_retiled = .false.
       !> Total external force on the material: body force and edge loads, force per thickness.
       real(wp) :: body_force(2) = 0.0_wp
       !> Cells, nodes and unknowns in this step.

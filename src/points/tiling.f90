@@ -7,10 +7,11 @@
 module coulter_points_tiling
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: area_and_centroid
+   use coulter_points_tile_quality, only: aspect_ratio, corner_jacobians, relative_jacobian
    implicit none(type, external)
    private
    public :: tiling_type, new_tiling, corner_gradients, corner_weights, tile_centroid, &
-      tile_outlines
+      tile_outlines, measure_quality, nearest_outer_edge
 
    !> Tiles and their corners; tile p is the domain of point p.
    type :: tiling_type
@@ -24,6 +25,10 @@ module coulter_points_tiling
       !> Hourglass vector of every undeformed tile: orthogonal to all linear fields, shape
       !> (4, n_points).
       real(wp), allocatable :: hourglass(:, :)
+      !> Scaled Jacobians of the corners of every undeformed tile, shape (4, n_points).
+      real(wp), allocatable :: first_jacobian(:, :)
+      !> Aspect of every undeformed tile, shape (n_points).
+      real(wp), allocatable :: first_aspect(:)
       !> Edges that only one tile owns: first corner, last corner, tile (on the left), shape
       !> (3, n_edges).
       integer, allocatable :: outer_edge(:, :)
@@ -48,10 +53,15 @@ contains
       integer :: p
 
       allocate (tiling%corner(4, size(vertices, 3)), tiling%hourglass(4, size(vertices, 3)))
+      allocate (tiling%first_jacobian(4, size(vertices, 3)), tiling%first_aspect(size(vertices, 3)))
       call merge_corners(tiling, reshape(vertices, [2, 4*size(vertices, 3)]), tolerance)
       call find_outer_edges(tiling)
       do p = 1, size(vertices, 3)
-         tiling%hourglass(:, p) = hourglass_vector(tiling%position(:, tiling%corner(:, p)))
+         associate (corner => tiling%position(:, tiling%corner(:, p)))
+            tiling%hourglass(:, p) = hourglass_vector(corner)
+            tiling%first_jacobian(:, p) = corner_jacobians(corner)
+            tiling%first_aspect(p) = aspect_ratio(corner)
+         end associate
       end do
    end subroutine new_tiling
 
@@ -117,6 +127,61 @@ contains
          outline(:, p) = reshape(tiling%position(:, tiling%corner(:, p)), [8])
       end do
    end function tile_outlines
+
+   !> Outer edge that is nearest to a position, and where along it the foot of that lies: 0 at its
+   !> first end, 1 at its last, beyond for feet beside it.
+   pure subroutine nearest_outer_edge(tiling, position, edge, share, mask)
+      !> Tiles.
+      type(tiling_type), intent(in) :: tiling
+      !> Position, length units.
+      real(wp), intent(in) :: position(2)
+      !> Number of the edge, 0 if none is allowed.
+      integer, intent(out) :: edge
+      !> Place of the foot over the length of the edge.
+      real(wp), intent(out) :: share
+      !> Edges that are allowed, shape (n_edges); all if absent.
+      logical, intent(in), optional :: mask(:)
+      real(wp) :: first(2), along(2), here, distance, nearest
+      integer :: e
+
+      edge = 0
+      share = 0.0_wp
+      nearest = huge(nearest)
+      do e = 1, size(tiling%outer_edge, 2)
+         if (present(mask)) then
+            if (.not. mask(e)) cycle
+         end if
+         first = tiling%position(:, tiling%outer_edge(1, e))
+         along = tiling%position(:, tiling%outer_edge(2, e)) - first
+         here = dot_product(position - first, along)/dot_product(along, along)
+         distance = norm2(position - first - min(max(here, 0.0_wp), 1.0_wp)*along)
+         if (distance >= nearest) cycle
+         nearest = distance
+         edge = e
+         share = here
+      end do
+   end subroutine nearest_outer_edge
+
+   !> How far the worst tiles are from their undeformed shape.
+   pure subroutine measure_quality(tiling, worst_corner, worst_aspect)
+      !> Tiles in their present position.
+      type(tiling_type), intent(in) :: tiling
+      !> Least Jacobian of a corner relative to the first one, see `relative_jacobian`.
+      real(wp), intent(out) :: worst_corner
+      !> Largest aspect over the first one.
+      real(wp), intent(out) :: worst_aspect
+      integer :: p
+
+      worst_corner = 1.0_wp
+      worst_aspect = 1.0_wp
+      do p = 1, size(tiling%corner, 2)
+         associate (corner => tiling%position(:, tiling%corner(:, p)))
+            worst_corner = min(worst_corner, relative_jacobian(corner_jacobians(corner), &
+                                                               tiling%first_jacobian(:, p)))
+            worst_aspect = max(worst_aspect, aspect_ratio(corner)/tiling%first_aspect(p))
+         end associate
+      end do
+   end subroutine measure_quality
 
    !> Gamma = (h - (h.X) g)/4 with h = (1, -1, 1, -1). In triangles it sees nothing: the shares of
    !> the repeated corner cancel, the others vanish.

@@ -146,6 +146,11 @@ contains
       call add_real(file, "fixity_reactions", [2, size(model%fixities)], &
                     "force of every fixity on the bodies, per unit thickness in plane strain", &
                     model%units%force)
+      call add_real(file, "worst_corner", [integer ::], &
+                    "1 plus the least change of the scaled Jacobian of a tile's corner", "1")
+      call add_real(file, "worst_aspect", [integer ::], &
+                    "largest aspect of a tile over the first one", "1")
+      call add_integer(file, "has_retiled", "1 where the bodies were tiled anew after the step")
       call add_real(file, "body_force", [2], "total body force", model%units%force)
       call put_fixity_names(file, model)
    end subroutine add_boundary_columns
@@ -172,6 +177,9 @@ contains
       call file%put_reals("history/loaded_lengths", row, n, report%loaded_lengths)
       call file%put_reals("history/fixity_reactions", row, 2*size(model%fixities), &
                           report%fixity_reactions)
+      call file%put_reals("history/worst_corner", row, 1, [report%worst_corner])
+      call file%put_reals("history/worst_aspect", row, 1, [report%worst_aspect])
+      call put_integer(file, "has_retiled", row, merge(1, 0, report%has_retiled))
       call file%put_reals("history/body_force", row, 2, report%body_force)
    end subroutine put_boundary_columns
 

@@ -26,8 +26,8 @@ module coulter_results_run_log
       real(wp) :: wall_start = 0.0_wp, cpu_start = 0.0_wp
       !> Wall time by phase so far, seconds.
       real(wp) :: phase_seconds(n_phases) = 0.0_wp
-      !> Whole steps and iterations so far.
-      integer :: n_steps = 0, n_iterations = 0
+      !> Whole steps, iterations and new tilings so far.
+      integer :: n_steps = 0, n_iterations = 0, n_retilings = 0
    contains
       procedure :: start => start_log
       procedure :: step_done => log_step
@@ -103,6 +103,7 @@ contains
       self%phase_seconds = self%phase_seconds + report%phase_seconds
       self%n_iterations = self%n_iterations + report%n_iterations
       if (report%is_complete) self%n_steps = self%n_steps + 1
+      if (report%has_retiled) self%n_retilings = self%n_retilings + 1
       call hide_progress(self)
       write (self%unit, "(a)") step_line(report)
       call write_reactions(self%unit, model, report)
@@ -125,8 +126,12 @@ contains
       call hide_progress(self)
       verdict = "finished"
       if (allocated(failure)) verdict = "stopped early, at time "//to_text(model%time)//","
-      write (self%unit, "(/, 2x, a)") verdict//" after "//plural(self%n_steps, "step", "steps") &
+      verdict = verdict//" after "//plural(self%n_steps, "step", "steps") &
          //" and "//plural(self%n_iterations, "iteration", "iterations")
+      if (self%n_retilings > 0) then
+         verdict = verdict//", bodies tiled anew "//plural(self%n_retilings, "time", "times")
+      end if
+      write (self%unit, "(/, 2x, a)") verdict
       call write_timing(self)
       flush (self%unit)
    end subroutine finish_log

@@ -7,12 +7,13 @@ module coulter_step_report
    use coulter_model, only: model_type
    use coulter_model_observer, only: scene_report_type, step_report_type
    use coulter_points, only: points_memory
+   use coulter_points_tiling, only: measure_quality
    use coulter_step_dofs, only: reduce
    use coulter_step_newton, only: newton_type
    use coulter_step_system, only: system_memory, system_type
    implicit none(type, external)
    private
-   public :: report_scene, report_step
+   public :: report_scene, report_step, add_warning
 
    !> Boundary length that carries no load is reported from this share of the whole.
    real(wp), parameter :: notable_share = 1.0e-3_wp
@@ -65,6 +66,9 @@ contains
       report%boundary_reactions = system%boundary_reaction
       call sum_fixity_reactions(report, model, system)
       call measure_penetrations(report, model)
+      if (allocated(model%tiling)) then
+         call measure_quality(model%tiling, report%worst_corner, report%worst_aspect)
+      end if
       call collect_warnings(report, model, system)
       call doubt(report, newton)
    end subroutine report_step
@@ -177,7 +181,9 @@ contains
 
    !> Append a line.
    pure subroutine add_warning(warnings, line)
+      !> Lines so far.
       character(len=:), allocatable, intent(inout) :: warnings
+      !> Line to append.
       character(len=*), intent(in) :: line
 
       if (len(warnings) > 0) warnings = warnings//new_line("a")

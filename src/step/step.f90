@@ -9,6 +9,7 @@ module coulter_step
    use coulter_step_assembly, only: apply_dead_loads
    use coulter_step_newton, only: newton_type, solve_newton
    use coulter_step_report, only: report_step
+   use coulter_step_retile, only: retile_if_distorted
    use coulter_step_point_setup, only: find_participants, number_system
    use coulter_step_system, only: system_type
    use coulter_step_tile_setup, only: find_tile_participants, number_tile_system
@@ -44,7 +45,10 @@ contains
       end if
       call system%watch%start(phase_accept)
       call accept_step(model, system, failure)
-      if (.not. allocated(failure)) call report_step(report, model, system, newton)
+      if (.not. allocated(failure)) then
+         call report_step(report, model, system, newton)
+         call retile_if_distorted(model, system, report)
+      end if
       call system%watch%stop()
    end subroutine advance_step
 

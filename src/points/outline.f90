@@ -1,0 +1,129 @@
+!> The outline of tiled bodies: closed loops of their outer edges.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_points_outline
+   use coulter_base_kinds, only: wp
+   use coulter_base_polygon, only: area_and_centroid
+   implicit none(type, external)
+   private
+   public :: outline_type, trace_outline, sharp_corners
+
+   !> Closed loops, material on the left, one after the other.
+   type :: outline_type
+      !> Number of corners and of edges: an edge starts at every corner.
+      integer :: n = 0
+      !> Corners, length units, shape (2, n).
+      real(wp), allocatable :: corner(:, :)
+      !> Corners after and before every corner, shape (n).
+      integer, allocatable :: next(:), previous(:)
+   end type outline_type
+
+contains
+
+   !> Join edges to loops, and leave out those that enclose less than some area: specks and
+   !> pin-holes.
+   pure subroutine trace_outline(outline, position, edge, least_area)
+      !> Outline to make.
+      type(outline_type), intent(out) :: outline
+      !> Positions that edges refer to, length units, shape (2, n).
+      real(wp), intent(in) :: position(:, :)
+      !> First and last position of every edge, material on the left; together they are closed,
+      !> shape (>= 2, n_edges).
+      integer, intent(in) :: edge(:, :)
+      !> Smallest area of a loop that is kept.
+      real(wp), intent(in) :: least_area
+      integer :: loop(size(edge, 2)), leaving(size(position, 2)), after(size(edge, 2))
+      logical :: is_used(size(edge, 2))
+      real(wp) :: area, centroid(2)
+      integer :: e, n, k
+
+      ! edges that leave a position, as linked lists
+      leaving = 0
+      do e = size(edge, 2), 1, -1
+         after(e) = leaving(edge(1, e))
+         leaving(edge(1, e)) = e
+      end do
+      allocate (outline%corner(2, size(edge, 2)))
+      allocate (outline%next(size(edge, 2)), outline%previous(size(edge, 2)))
+      is_used = .false.
+      do e = 1, size(edge, 2)
+         if (is_used(e)) cycle
+         call follow(edge, leaving, after, e, is_used, loop, n)
+         call area_and_centroid(position(:, loop(:n)), area, centroid)
+         if (abs(area) < least_area) cycle
+         associate (first => outline%n + 1)
+            outline%corner(:, first:first + n - 1) = position(:, loop(:n))
+            outline%next(first:first + n - 1) = [(k, k=first + 1, first + n - 1), first]
+            outline%previous(first:first + n - 1) = [first + n - 1, (k, k=first, first + n - 2)]
+         end associate
+         outline%n = outline%n + n
+      end do
+      outline%corner = outline%corner(:, :outline%n)
+      outline%next = outline%next(:outline%n)
+      outline%previous = outline%previous(:outline%n)
+   end subroutine trace_outline
+
+   !> First positions of a chain of unused edges, up to where it closes.
+   pure subroutine follow(edge, leaving, after, start, is_used, loop, n)
+      integer, intent(in) :: edge(:, :), leaving(:), after(:), start
+      logical, intent(inout) :: is_used(:)
+      integer, intent(inout) :: loop(:)
+      integer, intent(out) :: n
+      integer :: e
+
+      n = 0
+      e = start
+      do while (e > 0)
+         is_used(e) = .true.
+         n = n + 1
+         loop(n) = edge(1, e)
+         if (edge(2, e) == edge(1, start)) return
+         e = leaving(edge(2, e))
+         do while (e > 0)
+            if (.not. is_used(e)) exit
+            e = after(e)
+         end do
+      end do
+   end subroutine follow
+
+   !> How far the outline turns at every corner between the chords to the places at some distance
+   !> along it: 0 to pi, shape (n).
+   pure function sharp_corners(outline, distance) result(turn)
+      !> The outline.
+      type(outline_type), intent(in) :: outline
+      !> Length of outline that a chord spans, so that small kinks do not count.
+      real(wp), intent(in) :: distance
+      real(wp), allocatable :: turn(:)
+      real(wp) :: before(2), behind(2)
+      integer :: c
+
+      allocate (turn(outline%n))
+      do c = 1, outline%n
+         before = outline%corner(:, c) - place_along(outline, c, outline%previous, distance)
+         behind = place_along(outline, c, outline%next, distance) - outline%corner(:, c)
+         turn(c) = abs(atan2(before(1)*behind(2) - before(2)*behind(1), &
+                             dot_product(before, behind)))
+      end do
+   end function sharp_corners
+
+   !> Place at a distance along the outline from a corner, in one of both senses.
+   pure function place_along(outline, start, next, distance) result(place)
+      type(outline_type), intent(in) :: outline
+      integer, intent(in) :: start, next(:)
+      real(wp), intent(in) :: distance
+      real(wp) :: place(2)
+      real(wp) :: rest, length
+      integer :: c
+
+      rest = distance
+      c = start
+      do
+         place = outline%corner(:, next(c))
+         length = norm2(place - outline%corner(:, c))
+         if (length >= rest .or. next(c) == start) exit
+         rest = rest - length
+         c = next(c)
+      end do
+      if (length > rest) place = outline%corner(:, c) + (place - outline%corner(:, c))*(rest/length)
+   end function place_along
+
+end module coulter_points_outline

@@ -1,0 +1,369 @@
+!> A new tiling inside the outline of distorted tiles.
+!>
+!> The nodes of a regular lattice move to the outline where they are near it; the outline itself is
+!> not simplified (theory, section 8).
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_points_retiling
+   use coulter_base_kinds, only: wp
+   use coulter_base_polygon, only: area_and_centroid, polygon_type
+   use coulter_points_outline, only: outline_type, sharp_corners
+   use coulter_points_splitting, only: split_polygon
+   implicit none(type, external)
+   private
+   public :: tile_outline
+
+   !> A lattice of nodes around the outline, with what is known about each.
+   type :: lattice_type
+      !> Position of every node, moved or not, length units, shape (2, nx, ny).
+      real(wp), allocatable :: position(:, :, :)
+      !> 1 inside, 0 moved to the outline, -1 outside, shape (nx, ny).
+      integer, allocatable :: state(:, :)
+      !> Where the edge from every node to the next one in x and in y crosses the outline, shape
+      !> (2, 2, nx, ny): component, direction of the edge, node.
+      real(wp), allocatable :: crossing(:, :, :, :)
+   end type lattice_type
+
+   !> Nodes this near move to the outline, over the spacing: less leaves slivers.
+   real(wp), parameter :: snap = 0.45_wp
+   !> Corners of the outline that turn by more than this (40 degrees) get a node of their own.
+   real(wp), parameter :: sharp = 0.698_wp
+   !> Length of outline on either side over which that is measured, over the spacing.
+   real(wp), parameter :: chord = 0.25_wp
+   !> Corners of tiles nearer than this are one, over the spacing.
+   real(wp), parameter :: corner_tolerance = 1.0e-7_wp
+   !> Tiles smaller than this share of a cell are left out.
+   real(wp), parameter :: smallest_share = 2.0e-3_wp
+   !> Nodes of a cell in counter-clockwise order.
+   integer, parameter :: cell_node(2, 4) = reshape([0, 0, 1, 0, 1, 1, 0, 1], [2, 4])
+
+contains
+
+   !> Tile the inside of an outline: one tile per whole cell of a lattice, polygons at the outline
+   !> that are split into quadrilaterals and triangles.
+   pure subroutine tile_outline(outline, origin, spacing, vertices)
+      !> Outline of the body.
+      type(outline_type), intent(in) :: outline
+      !> A node of the lattice, and its spacing per direction, length units.
+      real(wp), intent(in) :: origin(2), spacing(2)
+      !> Corners of the tiles, counter-clockwise; a triangle repeats its last one, shape
+      !> (2, 4, n_tiles).
+      real(wp), allocatable, intent(out) :: vertices(:, :, :)
+      type(lattice_type) :: lattice
+      real(wp) :: h
+      integer :: i, j, n
+
+      allocate (vertices(2, 4, 0))
+      if (outline%n == 0) return
+      h = minval(spacing)
+      call make_lattice(lattice, outline, origin, spacing)
+      call mark_inside(lattice, outline)
+      call move_to_corners(lattice, outline, h)
+      call move_to_outline(lattice, outline, h)
+      call find_crossings(lattice, outline)
+      n = 0
+      do j = 1, size(lattice%state, 2) - 1
+         do i = 1, size(lattice%state, 1) - 1
+            call add_cell(lattice, outline, [i, j], h, product(spacing), vertices, n)
+         end do
+      end do
+      vertices = vertices(:, :, :n)
+   end subroutine tile_outline
+
+   !> Nodes around the outline with a margin of a cell.
+   pure subroutine make_lattice(lattice, outline, origin, spacing)
+      type(lattice_type), intent(out) :: lattice
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: origin(2), spacing(2)
+      integer :: i, j, first(2), last(2)
+
+      first = floor((minval(outline%corner, dim=2) - origin)/spacing) - 1
+      last = ceiling((maxval(outline%corner, dim=2) - origin)/spacing) + 1
+      associate (n => last - first + 1)
+         allocate (lattice%position(2, n(1), n(2)), lattice%crossing(2, 2, n(1), n(2)))
+         allocate (lattice%state(n(1), n(2)), source=-1)
+         do j = 1, n(2)
+            do i = 1, n(1)
+               lattice%position(:, i, j) = origin + spacing*real(first + [i, j] - 1, wp)
+            end do
+         end do
+      end associate
+      lattice%crossing = 0.0_wp
+   end subroutine make_lattice
+
+   !> Find the nodes that the outline runs round: its edges are counted on the right of each.
+   pure subroutine mark_inside(lattice, outline)
+      type(lattice_type), intent(inout) :: lattice
+      type(outline_type), intent(in) :: outline
+      integer :: winding(size(lattice%state, 1), size(lattice%state, 2))
+      real(wp) :: x
+      integer :: c, j
+
+      winding = 0
+      do c = 1, outline%n
+         associate (a => outline%corner(:, c), b => outline%corner(:, outline%next(c)))
+            do j = 1, size(winding, 2)
+               associate (y => lattice%position(2, 1, j))
+                  if ((a(2) > y) .eqv. (b(2) > y)) cycle
+                  x = a(1) + (b(1) - a(1))*(y - a(2))/(b(2) - a(2))
+                  where (lattice%position(1, :, j) < x) &
+                     winding(:, j) = winding(:, j) + merge(1, -1, b(2) > a(2))
+               end associate
+            end do
+         end associate
+      end do
+      where (winding > 0) lattice%state = 1
+   end subroutine mark_inside
+
+   !> Move the nearest node to every sharp corner, the sharpest first.
+   pure subroutine move_to_corners(lattice, outline, h)
+      type(lattice_type), intent(inout) :: lattice
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: h
+      real(wp), allocatable :: turn(:)
+      real(wp) :: local(2)
+      integer :: c, node(2)
+
+      turn = sharp_corners(outline, chord*h)
+      do
+         c = maxloc(turn, dim=1)
+         if (turn(c) < sharp) exit
+         turn(c) = 0.0_wp
+         associate (first => lattice%position(:, 1, 1), n => shape(lattice%state))
+            ! the first nodes are outside and far from the outline: they have not moved
+            local = (outline%corner(:, c) - first)/(lattice%position(:, n(1), n(2)) - first)
+            node = 1 + nint(local*real(n - 1, wp))
+         end associate
+         if (lattice%state(node(1), node(2)) == 0) cycle
+         lattice%position(:, node(1), node(2)) = outline%corner(:, c)
+         lattice%state(node(1), node(2)) = 0
+      end do
+   end subroutine move_to_corners
+
+   !> Move the other nodes that are near the outline to it.
+   pure subroutine move_to_outline(lattice, outline, h)
+      type(lattice_type), intent(inout) :: lattice
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: h
+      real(wp) :: nearest(size(lattice%state, 1), size(lattice%state, 2))
+      real(wp) :: foot(2, size(lattice%state, 1), size(lattice%state, 2)), place(2)
+      integer :: c, i, j, low(2), high(2)
+
+      nearest = snap*h
+      do c = 1, outline%n
+         associate (a => outline%corner(:, c), b => outline%corner(:, outline%next(c)))
+            call nodes_around(lattice, min(a, b) - snap*h, max(a, b) + snap*h, low, high)
+            do j = low(2), high(2)
+               do i = low(1), high(1)
+                  if (lattice%state(i, j) == 0) cycle
+                  place = foot_on_edge(lattice%position(:, i, j), a, b)
+                  if (norm2(place - lattice%position(:, i, j)) >= nearest(i, j)) cycle
+                  nearest(i, j) = norm2(place - lattice%position(:, i, j))
+                  foot(:, i, j) = place
+               end do
+            end do
+         end associate
+      end do
+      do j = 1, size(nearest, 2)
+         do i = 1, size(nearest, 1)
+            if (nearest(i, j) >= snap*h) cycle
+            lattice%position(:, i, j) = foot(:, i, j)
+            lattice%state(i, j) = 0
+         end do
+      end do
+   end subroutine move_to_outline
+
+   !> Range of nodes in a box, by their place before they moved.
+   pure subroutine nodes_around(lattice, lower, upper, low, high)
+      type(lattice_type), intent(in) :: lattice
+      real(wp), intent(in) :: lower(2), upper(2)
+      integer, intent(out) :: low(2), high(2)
+
+      associate (n => shape(lattice%state))
+         associate (first => lattice%position(:, 1, 1), &
+                    step => (lattice%position(:, n(1), n(2)) - lattice%position(:, 1, 1)) &
+                    /real(n - 1, wp))
+            low = max(floor((lower - first)/step) + 1, 1)
+            high = min(ceiling((upper - first)/step) + 1, n)
+         end associate
+      end associate
+   end subroutine nodes_around
+
+   !> Nearest place on an edge.
+   pure function foot_on_edge(position, first, last) result(place)
+      real(wp), intent(in) :: position(2), first(2), last(2)
+      real(wp) :: place(2)
+      real(wp) :: along(2)
+
+      along = last - first
+      place = first + along*min(max(dot_product(position - first, along) &
+                                    /max(dot_product(along, along), tiny(1.0_wp)), 0.0_wp), 1.0_wp)
+   end function foot_on_edge
+
+   !> For every lattice edge from an inside to an outside node, the crossing nearest to the inside.
+   pure subroutine find_crossings(lattice, outline)
+      type(lattice_type), intent(inout) :: lattice
+      type(outline_type), intent(in) :: outline
+      integer :: i, j, k, other(2)
+
+      do j = 1, size(lattice%state, 2)
+         do i = 1, size(lattice%state, 1)
+            do k = 1, 2
+               other = [i, j] + cell_node(:, merge(2, 4, k == 1))
+               if (any(other > shape(lattice%state))) cycle
+               if (lattice%state(i, j)*lattice%state(other(1), other(2)) >= 0) cycle
+               associate (here => lattice%position(:, i, j), &
+                          there => lattice%position(:, other(1), other(2)))
+                  if (lattice%state(i, j) > 0) then
+                     lattice%crossing(:, k, i, j) = first_crossing(outline, here, there)
+                  else
+                     lattice%crossing(:, k, i, j) = first_crossing(outline, there, here)
+                  end if
+               end associate
+            end do
+         end do
+      end do
+   end subroutine find_crossings
+
+   !> First place where the way from one node to another meets the outline; half the way if
+   !> round-off hides it.
+   pure function first_crossing(outline, from, to) result(place)
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: from(2), to(2)
+      real(wp) :: place(2)
+      real(wp) :: normal(2), side(2), share, nearest
+      integer :: c
+
+      nearest = 2.0_wp
+      normal = [from(2) - to(2), to(1) - from(1)]
+      do c = 1, outline%n
+         associate (a => outline%corner(:, c), b => outline%corner(:, outline%next(c)))
+            side = [dot_product(normal, a - from), dot_product(normal, b - from)]
+            if ((side(1) > 0.0_wp) .eqv. (side(2) > 0.0_wp)) cycle
+            share = dot_product(to - from, a + (b - a)*(side(1)/(side(1) - side(2))) - from) &
+               /dot_product(to - from, to - from)
+            if (share >= 0.0_wp .and. share <= 1.0_wp) nearest = min(nearest, share)
+         end associate
+      end do
+      if (nearest > 1.0_wp) nearest = 0.5_wp
+      place = from + nearest*(to - from)
+   end function first_crossing
+
+   !> Append the tiles of a cell: its nodes inside and on the outline, and the crossings between.
+   pure subroutine add_cell(lattice, outline, cell, h, cell_area, vertices, n)
+      type(lattice_type), intent(in) :: lattice
+      type(outline_type), intent(in) :: outline
+      integer, intent(in) :: cell(2)
+      real(wp), intent(in) :: h, cell_area
+      real(wp), allocatable, intent(inout) :: vertices(:, :, :)
+      integer, intent(inout) :: n
+      type(polygon_type) :: polygon
+      logical :: is_on_outline(8)
+      real(wp), allocatable :: tile(:, :, :), grown(:, :, :)
+      real(wp) :: area, centroid(2)
+      integer :: k, n_tiles
+
+      call walk_cell(lattice, cell, polygon, is_on_outline)
+      call cut_off_gaps(polygon, is_on_outline, outline)
+      if (polygon%n < 3) return
+      call area_and_centroid(polygon%corner(:, :polygon%n), area, centroid)
+      if (area < smallest_share*cell_area) return
+      associate (state => lattice%state(cell(1):cell(1) + 1, cell(2):cell(2) + 1))
+         if (all(state <= 0) .and. .not. encloses(outline, centroid)) return
+      end associate
+      call split_polygon(polygon%corner(:, :polygon%n), corner_tolerance*h, tile, n_tiles)
+      if (n + n_tiles > size(vertices, 3)) then
+         allocate (grown(2, 4, 2*(n + n_tiles)))
+         grown(:, :, :n) = vertices(:, :, :n)
+         call move_alloc(grown, vertices)
+      end if
+      do k = 1, n_tiles
+         call area_and_centroid(tile(:, :, k), area, centroid)
+         if (area <= corner_tolerance*cell_area) cycle
+         n = n + 1
+         vertices(:, :, n) = tile(:, :, k)
+      end do
+   end subroutine add_cell
+
+   !> Corners of the part of a cell that is inside.
+   pure subroutine walk_cell(lattice, cell, polygon, is_on_outline)
+      type(lattice_type), intent(in) :: lattice
+      integer, intent(in) :: cell(2)
+      type(polygon_type), intent(out) :: polygon
+      logical, intent(out) :: is_on_outline(8)
+      integer :: k, here(2), next(2), low(2), state, next_state
+
+      allocate (polygon%corner(2, 8))
+      is_on_outline = .false.
+      do k = 1, 4
+         here = cell + cell_node(:, k)
+         next = cell + cell_node(:, modulo(k, 4) + 1)
+         state = lattice%state(here(1), here(2))
+         next_state = lattice%state(next(1), next(2))
+         if (state >= 0) then
+            call append(polygon, lattice%position(:, here(1), here(2)))
+            is_on_outline(polygon%n) = state == 0
+         end if
+         if (state*next_state >= 0) cycle
+         low = min(here, next)
+         call append(polygon, lattice%crossing(:, merge(1, 2, here(2) == next(2)), low(1), low(2)))
+      end do
+   end subroutine walk_cell
+
+   !> Leave out nodes on the outline whose corner of the cell is outside: beside a re-entrant corner
+   !> of the body they belong to the other face of the gap.
+   pure subroutine cut_off_gaps(polygon, is_on_outline, outline)
+      type(polygon_type), intent(inout) :: polygon
+      logical, intent(inout) :: is_on_outline(8)
+      type(outline_type), intent(in) :: outline
+      real(wp) :: area, centroid(2)
+      integer :: k, n
+      logical :: is_gap
+
+      k = 1
+      do while (k <= polygon%n .and. polygon%n >= 3)
+         n = polygon%n
+         associate (ear => polygon%corner(:, [modulo(k - 2, n) + 1, k, modulo(k, n) + 1]))
+            call area_and_centroid(ear, area, centroid)
+         end associate
+         is_gap = is_on_outline(k) .and. area > 0.0_wp
+         if (is_gap) is_gap = .not. encloses(outline, centroid)
+         if (is_gap) then
+            polygon%corner(:, k:n - 1) = polygon%corner(:, k + 1:n)
+            is_on_outline(k:n - 1) = is_on_outline(k + 1:n)
+            polygon%n = n - 1
+            k = 1
+         else
+            k = k + 1
+         end if
+      end do
+   end subroutine cut_off_gaps
+
+   !> Add a corner; there must be room for it.
+   pure subroutine append(polygon, position)
+      type(polygon_type), intent(inout) :: polygon
+      real(wp), intent(in) :: position(2)
+
+      polygon%n = polygon%n + 1
+      polygon%corner(:, polygon%n) = position
+   end subroutine append
+
+   !> Does the outline run round a position?
+   pure function encloses(outline, position) result(answer)
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: position(2)
+      logical :: answer
+      integer :: c, winding
+
+      winding = 0
+      do c = 1, outline%n
+         associate (a => outline%corner(:, c), b => outline%corner(:, outline%next(c)))
+            if ((a(2) > position(2)) .eqv. (b(2) > position(2))) cycle
+            if (position(1) < a(1) + (b(1) - a(1))*(position(2) - a(2))/(b(2) - a(2))) then
+               winding = winding + merge(1, -1, b(2) > a(2))
+            end if
+         end associate
+      end do
+      answer = winding > 0
+   end function encloses
+
+end module coulter_points_retiling

@@ -1,0 +1,235 @@
+!> New tiles for bodies whose tiles are distorted, between two steps.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_step_retile
+   use coulter_base_kinds, only: wp
+   use coulter_base_tensor, only: finger_of_log_strain_plane, log_strain_plane
+   use coulter_base_text, only: to_text
+   use coulter_boundary_contact, only: carry_held_edges, held_edge_type
+   use coulter_boundary_edge_load, only: carry_loaded_edges, loaded_edge_type
+   use coulter_boundary_segment, only: new_segment, segment_type
+   use coulter_law, only: n_plane
+   use coulter_model, only: model_type
+   use coulter_model_observer, only: step_report_type
+   use coulter_points, only: points_type
+   use coulter_points_outline, only: outline_type, trace_outline
+   use coulter_points_retiling, only: tile_outline
+   use coulter_points_tile_quality, only: is_distorted
+   use coulter_points_tiling, only: corner_gradients, new_tiling, tiling_type
+   use coulter_points_transfer, only: restore_area, transfer_points
+   use coulter_step_report, only: add_warning
+   use coulter_step_system, only: system_type
+   implicit none(type, external)
+   private
+   public :: retile_if_distorted, retile_model
+
+   !> Loops of less than this share of a cell are dropped.
+   real(wp), parameter :: smallest_loop = 0.5_wp
+   !> Corners of tiles nearer than this are one, over the spacing.
+   real(wp), parameter :: corner_tolerance = 1.0e-7_wp
+   !> Corners of the outline this near to a face stay where they are, over the spacing.
+   real(wp), parameter :: touching = 0.02_wp
+   !> Largest shift of free corners that restores the area, over the spacing.
+   real(wp), parameter :: largest_shift = 0.05_wp
+
+contains
+
+   !> Tile all bodies anew if the report of a step finds their tiles distorted, and say so.
+   subroutine retile_if_distorted(model, system, report)
+      !> Scene at the end of the step.
+      type(model_type), intent(inout) :: model
+      !> Its system.
+      type(system_type), intent(inout) :: system
+      !> What happened in the step.
+      type(step_report_type), intent(inout) :: report
+      character(len=:), allocatable :: outcome
+      logical :: has_failed
+
+      if (.not. is_distorted(report%worst_corner, report%worst_aspect)) return
+      has_failed = .true.
+      if (model%control%may_retile) call retile_model(model, system, has_failed)
+      report%has_retiled = .not. has_failed
+      outcome = "forces cannot be trusted"
+      if (report%has_retiled) outcome = "the bodies have been tiled anew"
+      call add_warning(report%warnings, "tiles were distorted (worst corner " &
+                       //to_text(report%worst_corner, 2)//", worst aspect " &
+                       //to_text(report%worst_aspect, 2)//", both 1 at first): "//outcome)
+   end subroutine retile_if_distorted
+
+   !> Tile all bodies anew. Nothing changes when that cannot be done: two bodies share corners, or a
+   !> new tile has no area or a state that its law refuses.
+   subroutine retile_model(model, system, has_failed)
+      !> Scene between two steps.
+      type(model_type), intent(inout) :: model
+      !> Its system; what hangs on outer edges moves to the new ones.
+      type(system_type), intent(inout) :: system
+      !> Is everything as it was?
+      logical, intent(out) :: has_failed
+      type(tiling_type) :: tiling
+      type(points_type) :: points
+      type(held_edge_type), allocatable :: held(:)
+      type(loaded_edge_type), allocatable :: loaded(:)
+      integer, allocatable :: owner(:)
+
+      has_failed = share_corners(model)
+      if (has_failed) return
+      call make_tiles(model, tiling, owner, has_failed)
+      if (has_failed) return
+      call transfer_points(points, tiling, owner, model%points, model%tiling, &
+                           model%grid%smallest_spacing())
+      call find_stresses(model, points, has_failed)
+      if (has_failed) return
+      call carry_held_edges(held, tiling, system%held_edges, model%tiling)
+      call carry_loaded_edges(loaded, tiling, system%loaded_edges, model%tiling)
+      call move_alloc(held, system%held_edges)
+      call move_alloc(loaded, system%loaded_edges)
+      ! remembered tractions belong to edges that are gone
+      system%last_contacts%n = 0
+      model%tiling = tiling
+      model%points = points
+   end subroutine retile_model
+
+   !> Do tiles of different bodies share a corner?
+   pure function share_corners(model) result(answer)
+      type(model_type), intent(in) :: model
+      logical :: answer
+      integer :: body(model%tiling%n_corners), p
+
+      body = 0
+      answer = .false.
+      do p = 1, model%points%n_points
+         associate (corner => model%tiling%corner(:, p))
+            answer = answer .or. any(body(corner) /= 0 .and. body(corner) /= model%points%body(p))
+            body(corner) = model%points%body(p)
+         end associate
+      end do
+   end function share_corners
+
+   !> New tiles of all bodies, body by body.
+   pure subroutine make_tiles(model, tiling, owner, has_failed)
+      type(model_type), intent(in) :: model
+      type(tiling_type), intent(out) :: tiling
+      integer, allocatable, intent(out) :: owner(:)
+      logical, intent(out) :: has_failed
+      type(outline_type) :: outline
+      real(wp), allocatable :: vertices(:, :, :), all_vertices(:, :, :)
+      real(wp) :: edge(2), gradient(2, 4), area
+      integer :: b, p
+
+      allocate (owner(0), all_vertices(2, 4, 0))
+      do b = 1, size(model%bodies)
+         edge = model%grid%spacing/real(model%bodies(b)%points_per_cell, wp)
+         call trace_outline(outline, model%tiling%position, edges_of(model, b), &
+                            smallest_loop*product(edge))
+         call tile_outline(outline, model%grid%origin, edge, vertices)
+         call settle_area(vertices, model, b)
+         all_vertices = reshape([all_vertices, vertices], [2, 4, size(owner) + size(vertices, 3)])
+         owner = [owner, spread(b, 1, size(vertices, 3))]
+      end do
+      call new_tiling(tiling, all_vertices, corner_tolerance*model%grid%smallest_spacing())
+      has_failed = size(owner) == 0
+      do p = 1, size(owner)
+         call corner_gradients(tiling%position(:, tiling%corner(:, p)), gradient, area)
+         has_failed = has_failed .or. .not. area > 0.0_wp
+      end do
+   end subroutine make_tiles
+
+   !> Outer edges of a body: first and last corner.
+   pure function edges_of(model, body) result(edges)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      integer, allocatable :: edges(:, :)
+      integer :: e, n
+
+      allocate (edges(2, size(model%tiling%outer_edge, 2)))
+      n = 0
+      do e = 1, size(edges, 2)
+         associate (edge => model%tiling%outer_edge(:, e))
+            if (model%points%body(edge(3)) /= body) cycle
+            n = n + 1
+            edges(:, n) = edge(:2)
+         end associate
+      end do
+      edges = edges(:, :n)
+   end function edges_of
+
+   !> Shift free corners so that the new tiles of a body have the area of the old ones.
+   pure subroutine settle_area(vertices, model, body)
+      real(wp), intent(inout) :: vertices(:, :, :)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      type(tiling_type) :: tiling
+      logical, allocatable :: is_free(:)
+      real(wp) :: h, area, total, gradient(2, 4)
+      integer :: p
+
+      h = model%grid%smallest_spacing()
+      total = 0.0_wp
+      do p = 1, model%points%n_points
+         if (model%points%body(p) /= body) cycle
+         call corner_gradients(model%tiling%position(:, model%tiling%corner(:, p)), gradient, area)
+         total = total + area
+      end do
+      if (size(vertices, 3) == 0) return
+      call new_tiling(tiling, vertices, corner_tolerance*h)
+      allocate (is_free(tiling%n_corners))
+      call find_free_corners(is_free, tiling, model)
+      call restore_area(tiling, is_free, total, largest_shift*h)
+      do p = 1, size(vertices, 3)
+         vertices(:, :, p) = tiling%position(:, tiling%corner(:, p))
+      end do
+   end subroutine settle_area
+
+   !> Corners on the outline that are near no boundary.
+   pure subroutine find_free_corners(is_free, tiling, model)
+      logical, intent(out) :: is_free(:)
+      type(tiling_type), intent(in) :: tiling
+      type(model_type), intent(in) :: model
+      type(segment_type) :: segment
+      real(wp) :: offset(2), along, near
+      integer :: b, s, c
+
+      near = touching*model%grid%smallest_spacing()
+      is_free = .false.
+      is_free(tiling%outer_edge(1, :)) = .true.
+      do b = 1, size(model%boundaries)
+         associate (vertices => model%boundaries(b)%vertices)
+            do s = 1, size(vertices, 2) - 1
+               call new_segment(segment, vertices(:, s), vertices(:, s + 1))
+               do c = 1, tiling%n_corners
+                  offset = tiling%position(:, c) - segment%first
+                  along = dot_product(segment%tangent, offset)
+                  if (abs(dot_product(segment%normal, offset)) <= near .and. along >= -near &
+                      .and. along <= segment%length + near) is_free(c) = .false.
+               end do
+            end do
+         end associate
+      end do
+   end subroutine find_free_corners
+
+   !> Stress of points whose elastic strain is known.
+   subroutine find_stresses(model, points, has_failed)
+      type(model_type), intent(in) :: model
+      type(points_type), intent(inout) :: points
+      logical, intent(out) :: has_failed
+      real(wp) :: strain(n_plane), elastic_strain(n_plane), tangent(n_plane, n_plane)
+      real(wp) :: state(points%n_state)
+      integer :: p
+
+      has_failed = .false.
+      associate (new => points%converged)
+         do p = 1, points%n_points
+            associate (item => model%laws(model%bodies(points%body(p))%law))
+               call log_strain_plane(new%elastic_finger(:, p), strain)
+               state = new%law_state(:, p)
+               call item%law%update(strain, state(:item%law%n_state), new%kirchhoff_stress(:, p), &
+                                    tangent, elastic_strain, new%law_state(:item%law%n_state, p), &
+                                    has_failed)
+               if (has_failed) return
+               if (item%law%is_elastic) cycle
+               call finger_of_log_strain_plane(elastic_strain, new%elastic_finger(:, p))
+            end associate
+         end do
+      end associate
+   end subroutine find_stresses
+
+end module coulter_step_retile
