@@ -11,6 +11,7 @@ module coulter_results_hdf5_io
       h5pset_deflate_f, h5pset_shuffle_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
       h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sselect_hyperslab_f, &
       h5tclose_f, h5tcopy_f, h5tset_size_f, h5tset_strpad_f
+   use hdf5, only: h5p_file_create_f, h5pset_istore_k_f
    use hdf5, only: h5_integer_kind, h5_real_kind, h5f_acc_rdwr_f, h5f_acc_trunc_f, &
       h5f_scope_global_f, h5p_dataset_create_f, h5p_file_access_f, h5s_scalar_f, &
       h5s_select_set_f, h5t_ieee_f32le, h5t_ieee_f64le, h5t_native_integer, h5t_fortran_s1, &
@@ -75,20 +76,28 @@ module coulter_results_hdf5_io
       end function c_set_file_locking
    end interface
 
+   !> Half the number of chunks in a node of the index of a dataset. A node that is full is split,
+   !> and a process that is killed in that very moment leaves older rows unreadable: with nodes of
+   !> this size that can happen from the 1024th frame on only.
+   integer, parameter :: half_index_size = 512
+
 contains
 
    !> Make an empty file in place of whatever has its path.
    subroutine create_file(self)
       class(hdf5_file_type), intent(inout) :: self
-      integer(hid_t) :: access_list
-      integer :: codes(4)
+      integer(hid_t) :: access_list, creation_list
+      integer :: codes(7)
 
       self%has_failed = .false.
       call h5open_f(codes(1))
       call h5eset_auto_f(0, codes(2))
       access_list = unlocked_access()
-      call h5fcreate_f(self%path, h5f_acc_trunc_f, self%id, codes(3), access_prp=access_list)
-      call h5pclose_f(access_list, codes(4))
+      call h5pcreate_f(h5p_file_create_f, creation_list, codes(3))
+      call h5pset_istore_k_f(creation_list, half_index_size, codes(4))
+      call h5fcreate_f(self%path, h5f_acc_trunc_f, self%id, codes(5), creation_list, access_list)
+      call h5pclose_f(access_list, codes(6))
+      call h5pclose_f(creation_list, codes(7))
       call self%note(codes)
    end subroutine create_file
 
