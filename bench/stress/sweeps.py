@@ -55,7 +55,7 @@ for _word, _domains in BOTH:
     SWEEPS += [Case(f"grid offset, {_word}", f"{f} h at {a} degrees", patch(
         angle=a, shift=(f, f), **_domains))
         for a in (0.0, 45.0) for f in [*decades(-15, -6), -1e-12, -1e-9, -1e-7, sqrt(2.0),
-                                       1 / 3, 1e-7, 3e-8]]
+                                       1 / 3, 3e-8, 5e-8, 9e-8, 2e-7]]
     SWEEPS += sweep(f"nu, {_word}", patch, "nu",
                     [-0.99, -0.9, -0.5, 0.0, 1e-9, 0.3, 0.45, 0.49, 0.499, 0.4999, 0.499999],
                     **_domains)

@@ -6,8 +6,8 @@
 module coulter_points_retiling
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: area_and_centroid, polygon_type
+   use coulter_points_domains, only: add_domain, cut_domains, domain_list_type, weld_domains
    use coulter_points_outline, only: outline_type, sharp_corners
-   use coulter_points_splitting, only: split_polygon
    implicit none(type, external)
    private
    public :: tile_outline
@@ -49,6 +49,8 @@ contains
       !> (2, 4, n_tiles).
       real(wp), allocatable, intent(out) :: vertices(:, :, :)
       type(lattice_type) :: lattice
+      type(domain_list_type) :: domains
+      integer, allocatable :: owner(:)
       real(wp) :: h
       integer :: i, j, n
 
@@ -60,13 +62,13 @@ contains
       call move_to_corners(lattice, outline, h)
       call move_to_outline(lattice, outline, h)
       call find_crossings(lattice, outline)
-      n = 0
       do j = 1, size(lattice%state, 2) - 1
          do i = 1, size(lattice%state, 1) - 1
-            call add_cell(lattice, outline, [i, j], h, product(spacing), vertices, n)
+            call add_cell(lattice, outline, [i, j], product(spacing), domains)
          end do
       end do
-      vertices = vertices(:, :, :n)
+      call weld_domains(domains, corner_tolerance*h, n)
+      call cut_domains(domains, [corner_tolerance*product(spacing)], vertices, owner)
    end subroutine tile_outline
 
    !> Nodes around the outline with a margin of a cell.
@@ -248,19 +250,17 @@ contains
       place = from + nearest*(to - from)
    end function first_crossing
 
-   !> Append the tiles of a cell: its nodes inside and on the outline, and the crossings between.
-   pure subroutine add_cell(lattice, outline, cell, h, cell_area, vertices, n)
+   !> Append the part of a cell that is inside: its nodes inside and on the outline, and the
+   !> crossings between.
+   pure subroutine add_cell(lattice, outline, cell, cell_area, domains)
       type(lattice_type), intent(in) :: lattice
       type(outline_type), intent(in) :: outline
       integer, intent(in) :: cell(2)
-      real(wp), intent(in) :: h, cell_area
-      real(wp), allocatable, intent(inout) :: vertices(:, :, :)
-      integer, intent(inout) :: n
+      real(wp), intent(in) :: cell_area
+      type(domain_list_type), intent(inout) :: domains
       type(polygon_type) :: polygon
       logical :: is_on_outline(8)
-      real(wp), allocatable :: tile(:, :, :), grown(:, :, :)
       real(wp) :: area, centroid(2)
-      integer :: k, n_tiles
 
       call walk_cell(lattice, cell, polygon, is_on_outline)
       call cut_off_gaps(polygon, is_on_outline, outline)
@@ -270,18 +270,7 @@ contains
       associate (state => lattice%state(cell(1):cell(1) + 1, cell(2):cell(2) + 1))
          if (all(state <= 0) .and. .not. encloses(outline, centroid)) return
       end associate
-      call split_polygon(polygon%corner(:, :polygon%n), corner_tolerance*h, tile, n_tiles)
-      if (n + n_tiles > size(vertices, 3)) then
-         allocate (grown(2, 4, 2*(n + n_tiles)))
-         grown(:, :, :n) = vertices(:, :, :n)
-         call move_alloc(grown, vertices)
-      end if
-      do k = 1, n_tiles
-         call area_and_centroid(tile(:, :, k), area, centroid)
-         if (area <= corner_tolerance*cell_area) cycle
-         n = n + 1
-         vertices(:, :, n) = tile(:, :, k)
-      end do
+      call add_domain(domains, polygon%corner(:, :polygon%n), 1)
    end subroutine add_cell
 
    !> Corners of the part of a cell that is inside.

@@ -7,7 +7,7 @@ module coulter_points_seeding
    use coulter_grid, only: grid_type
    use coulter_points, only: allocate_points, points_type
    use coulter_points_body, only: body_type, region_type
-   use coulter_points_splitting, only: split_polygon
+   use coulter_points_domains, only: add_domain, cut_domains, domain_list_type, weld_domains
    use coulter_points_tiling, only: new_tiling, tiling_type
    implicit none(type, external)
    private
@@ -19,19 +19,8 @@ module coulter_points_seeding
 
    !> Corners of tiles nearer than this share of a sub-cell to a line between sub-cells are on it.
    real(wp), parameter :: snap_tolerance = 2.0e-7_wp
-   !> Corners of a domain nearer than this share of a sub-cell are one.
+   !> Corners of tiles nearer than this share of a sub-cell are one.
    real(wp), parameter :: corner_tolerance = 1.0e-7_wp
-   !> Corners of different tiles nearer than this share of that are one: so much less that no tile
-   !> loses a corner by it.
-   real(wp), parameter :: merge_share = 0.25_wp
-
-   !> Points found so far, in arrays that grow. Corners are kept only when domains shall tile.
-   type :: seed_list_type
-      integer :: n = 0
-      logical :: has_tiles = .false.
-      real(wp), allocatable :: position(:, :), domain_size(:, :), volume(:), vertices(:, :, :)
-      integer, allocatable :: body(:)
-   end type seed_list_type
 
 contains
 
@@ -46,10 +35,10 @@ contains
       type(body_type), intent(in) :: bodies(:)
       !> State variables per point.
       integer, intent(in) :: n_state
-      type(seed_list_type) :: seeds
+      type(domain_list_type) :: domains
 
-      call seed_bodies(seeds, grid, bodies)
-      call collect_points(points, seeds, n_state)
+      call cut_bodies(domains, grid, bodies)
+      call make_points(points, domains, n_state)
    end subroutine seed_points
 
    !> Seed all bodies with points whose domains tile them: a domain that the outline cuts is split
@@ -65,43 +54,105 @@ contains
       type(body_type), intent(in) :: bodies(:)
       !> State variables per point.
       integer, intent(in) :: n_state
-      type(seed_list_type) :: seeds
+      type(domain_list_type) :: domains, tiles
+      real(wp), allocatable :: vertices(:, :, :)
+      integer, allocatable :: owner(:)
+      real(wp) :: tolerance
+      integer :: p
 
-      seeds%has_tiles = .true.
-      call seed_bodies(seeds, grid, bodies)
-      call collect_points(points, seeds, n_state)
-      call new_tiling(tiling, seeds%vertices(:, :, :seeds%n), &
-                      merge_share*corner_tolerance*grid%smallest_spacing() &
-                      /real(maxval(bodies%points_per_cell), wp))
+      tolerance = corner_tolerance*grid%smallest_spacing()/real(maxval(bodies%points_per_cell), wp)
+      call cut_bodies(domains, grid, bodies)
+      call settle_corners(domains, grid, bodies, tolerance)
+      call cut_domains(domains, smallest_areas(grid, bodies), vertices, owner)
+      do p = 1, size(owner)
+         call add_domain(tiles, vertices(:, :, p), owner(p))
+      end do
+      call make_points(points, tiles, n_state)
+      ! corners that differ are farther apart
+      call new_tiling(tiling, vertices, 0.5_wp*tolerance)
    end subroutine seed_tiles
 
-   !> Seed all regions of all bodies.
-   pure subroutine seed_bodies(seeds, grid, bodies)
-      type(seed_list_type), intent(inout) :: seeds
+   !> Cut all regions of all bodies into sub-cells.
+   pure subroutine cut_bodies(domains, grid, bodies)
+      type(domain_list_type), intent(inout) :: domains
       type(grid_type), intent(in) :: grid
       type(body_type), intent(in) :: bodies(:)
+      real(wp) :: smallest(size(bodies))
       integer :: b, r
 
-      call make_room(seeds, 64)
+      smallest = smallest_areas(grid, bodies)
       do b = 1, size(bodies)
          do r = 1, size(bodies(b)%regions)
-            call seed_region(seeds, grid, bodies(b)%regions(r), bodies(b)%points_per_cell, b)
+            call cut_region(domains, grid, bodies(b)%regions(r), bodies(b)%points_per_cell, b, &
+                            smallest(b))
          end do
       end do
-   end subroutine seed_bodies
+   end subroutine cut_bodies
 
-   !> Make points of the seeds.
-   pure subroutine collect_points(points, seeds, n_state)
+   !> Area below which a domain of every body is left out.
+   pure function smallest_areas(grid, bodies) result(area)
+      type(grid_type), intent(in) :: grid
+      type(body_type), intent(in) :: bodies(:)
+      real(wp) :: area(size(bodies))
+
+      area = smallest_share*product(grid%spacing)/real(bodies%points_per_cell, wp)**2
+   end function smallest_areas
+
+   !> Move corners that nearly lie on a line between sub-cells onto it, so that outlines along grid
+   !> lines leave no slivers, and let corners that nearly coincide be one, until neither changes
+   !> anything. Every corner moves in all domains that have it alike.
+   pure subroutine settle_corners(domains, grid, bodies, tolerance)
+      type(domain_list_type), intent(inout) :: domains
+      type(grid_type), intent(in) :: grid
+      type(body_type), intent(in) :: bodies(:)
+      real(wp), intent(in) :: tolerance
+      integer :: d, i, n, last
+
+      last = 0
+      do
+         call weld_domains(domains, tolerance, n)
+         if (n == last) exit
+         last = n
+         do d = 1, domains%n
+            do i = domains%start(d), domains%start(d + 1) - 1
+               call snap(domains%corner(:, i), grid, bodies(domains%body(d))%points_per_cell)
+            end do
+         end do
+      end do
+   end subroutine settle_corners
+
+   !> Move a position that nearly lies on a line between sub-cells onto it.
+   pure subroutine snap(position, grid, points_per_cell)
+      real(wp), intent(inout) :: position(2)
+      type(grid_type), intent(in) :: grid
+      integer, intent(in) :: points_per_cell
+      real(wp) :: nearest, edge
+      integer :: axis
+
+      do axis = 1, 2
+         edge = grid%spacing(axis)/real(points_per_cell, wp)
+         nearest = line(grid, axis, nint((position(axis) - grid%origin(axis))/edge), &
+                        points_per_cell)
+         if (abs(position(axis) - nearest) <= snap_tolerance*edge) position(axis) = nearest
+      end do
+   end subroutine snap
+
+   !> Points at the centroids of domains.
+   pure subroutine make_points(points, domains, n_state)
       type(points_type), intent(out) :: points
-      type(seed_list_type), intent(in) :: seeds
+      type(domain_list_type), intent(in) :: domains
       integer, intent(in) :: n_state
+      integer :: p
 
-      call allocate_points(points, seeds%n, n_state)
-      points%position = seeds%position(:, :seeds%n)
-      points%domain_size = seeds%domain_size(:, :seeds%n)
-      points%reference_volume = seeds%volume(:seeds%n)
-      points%body = seeds%body(:seeds%n)
-   end subroutine collect_points
+      call allocate_points(points, domains%n, n_state)
+      do p = 1, domains%n
+         associate (corner => domains%corner(:, domains%start(p):domains%start(p + 1) - 1))
+            call area_and_centroid(corner, points%reference_volume(p), points%position(:, p))
+            points%domain_size(:, p) = maxval(corner, dim=2) - minval(corner, dim=2)
+            points%body(p) = domains%body(p)
+         end associate
+      end do
+   end subroutine make_points
 
    !> Give the points of a body a uniform stress, balanced or not.
    pure subroutine seed_initial_stress(points, body, strain, stress)
@@ -124,14 +175,16 @@ contains
       end do
    end subroutine seed_initial_stress
 
-   !> Cut the region into rows of sub-cells, each row into sub-cells.
-   pure subroutine seed_region(seeds, grid, region, points_per_cell, body)
-      type(seed_list_type), intent(inout) :: seeds
+   !> Cut the region into rows of sub-cells, each row into sub-cells; those that are all but empty
+   !> are left out.
+   pure subroutine cut_region(domains, grid, region, points_per_cell, body, smallest_area)
+      type(domain_list_type), intent(inout) :: domains
       type(grid_type), intent(in) :: grid
       type(region_type), intent(in) :: region
       integer, intent(in) :: points_per_cell, body
+      real(wp), intent(in) :: smallest_area
       type(polygon_type) :: whole, row, domain
-      real(wp) :: edge(2)
+      real(wp) :: edge(2), area, centroid(2)
       integer :: i, j, first(2), last(2)
 
       whole%n = size(region%vertices, 2)
@@ -140,98 +193,26 @@ contains
       first = floor((minval(whole%corner, dim=2) - grid%origin)/edge)
       last = ceiling((maxval(whole%corner, dim=2) - grid%origin)/edge) - 1
       do j = first(2), last(2)
-         call clip_box(whole, 2, line(2, j), line(2, j + 1), row)
+         call clip_box(whole, 2, line(grid, 2, j, points_per_cell), &
+                       line(grid, 2, j + 1, points_per_cell), row)
          do i = first(1), last(1)
-            call clip_box(row, 1, line(1, i), line(1, i + 1), domain)
-            if (seeds%has_tiles) then
-               call snap(domain, [line(1, i), line(2, j)], edge)
-               call snap(domain, [line(1, i + 1), line(2, j + 1)], edge)
-            end if
-            call add_domain(seeds, domain, edge, body)
+            call clip_box(row, 1, line(grid, 1, i, points_per_cell), &
+                          line(grid, 1, i + 1, points_per_cell), domain)
+            if (domain%n < 3) cycle
+            call area_and_centroid(domain%corner(:, :domain%n), area, centroid)
+            if (area > smallest_area) call add_domain(domains, domain%corner(:, :domain%n), body)
          end do
       end do
+   end subroutine cut_region
 
-   contains
+   !> Coordinate of a line between sub-cells, exactly on the grid line where there is one.
+   pure function line(grid, axis, index, points_per_cell) result(coordinate)
+      type(grid_type), intent(in) :: grid
+      integer, intent(in) :: axis, index, points_per_cell
+      real(wp) :: coordinate
 
-      !> Coordinate of a line between sub-cells, exactly on the grid line where there is one.
-      pure function line(axis, index) result(coordinate)
-         integer, intent(in) :: axis, index
-         real(wp) :: coordinate
-
-         coordinate = grid%origin(axis) &
-            + grid%spacing(axis)*real(index, wp)/real(points_per_cell, wp)
-      end function line
-
-   end subroutine seed_region
-
-   !> Move corners that nearly lie on a line between sub-cells onto it, in the sub-cells on both
-   !> sides of it alike: outlines along grid lines leave no slivers.
-   pure subroutine snap(domain, line, edge)
-      type(polygon_type), intent(inout) :: domain
-      real(wp), intent(in) :: line(2), edge(2)
-      integer :: k
-
-      do k = 1, domain%n
-         where (abs(domain%corner(:, k) - line) <= snap_tolerance*edge) domain%corner(:, k) = line
-      end do
-   end subroutine snap
-
-   !> Append the point that owns a domain, or those that own its tiles.
-   pure subroutine add_domain(seeds, domain, edge, body)
-      type(seed_list_type), intent(inout) :: seeds
-      type(polygon_type), intent(in) :: domain
-      real(wp), intent(in) :: edge(2)
-      integer, intent(in) :: body
-      real(wp), allocatable :: tile(:, :, :)
-      integer :: n_tiles, k
-
-      if (domain%n < 3) return
-      if (.not. seeds%has_tiles) then
-         call add_seed(seeds, domain%corner(:, :domain%n), smallest_share*product(edge), body)
-         return
-      end if
-      call split_polygon(domain%corner(:, :domain%n), corner_tolerance*minval(edge), tile, n_tiles)
-      do k = 1, n_tiles
-         call add_seed(seeds, tile(:, :, k), smallest_share*product(edge), body)
-      end do
-   end subroutine add_domain
-
-   !> Append the point that owns a polygon, unless that is empty.
-   pure subroutine add_seed(seeds, corner, smallest_area, body)
-      type(seed_list_type), intent(inout) :: seeds
-      real(wp), intent(in) :: corner(:, :), smallest_area
-      integer, intent(in) :: body
-      real(wp) :: area, centroid(2)
-
-      call area_and_centroid(corner, area, centroid)
-      if (area <= smallest_area) return
-      if (seeds%n == size(seeds%volume)) call make_room(seeds, 2*seeds%n)
-      seeds%n = seeds%n + 1
-      seeds%position(:, seeds%n) = centroid
-      seeds%domain_size(:, seeds%n) = maxval(corner, dim=2) - minval(corner, dim=2)
-      seeds%volume(seeds%n) = area
-      seeds%body(seeds%n) = body
-      if (seeds%has_tiles) seeds%vertices(:, :, seeds%n) = corner
-   end subroutine add_seed
-
-   !> Let the list hold `n` points, keeping those it has.
-   pure subroutine make_room(seeds, n)
-      type(seed_list_type), intent(inout) :: seeds
-      integer, intent(in) :: n
-      type(seed_list_type) :: grown
-
-      allocate (grown%position(2, n), grown%domain_size(2, n), grown%volume(n), grown%body(n))
-      allocate (grown%vertices(2, 4, merge(n, 0, seeds%has_tiles)))
-      grown%n = seeds%n
-      grown%has_tiles = seeds%has_tiles
-      if (seeds%n > 0) then
-         grown%position(:, :seeds%n) = seeds%position(:, :seeds%n)
-         grown%domain_size(:, :seeds%n) = seeds%domain_size(:, :seeds%n)
-         grown%volume(:seeds%n) = seeds%volume(:seeds%n)
-         grown%body(:seeds%n) = seeds%body(:seeds%n)
-         if (seeds%has_tiles) grown%vertices(:, :, :seeds%n) = seeds%vertices(:, :, :seeds%n)
-      end if
-      seeds = grown
-   end subroutine make_room
+      coordinate = grid%origin(axis) &
+         + grid%spacing(axis)*real(index, wp)/real(points_per_cell, wp)
+   end function line
 
 end module coulter_points_seeding

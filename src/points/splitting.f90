@@ -41,25 +41,47 @@ contains
       end do
    end subroutine split_polygon
 
-   !> Remove corners that repeat the one before them.
+   !> Remove corners that repeat the one before them, and spikes: corners between two that are one.
    pure subroutine drop_repeated(corner, tolerance, n)
       real(wp), intent(inout) :: corner(:, :)
       real(wp), intent(in) :: tolerance
       integer, intent(out) :: n
-      integer :: i
+      integer :: i, last
 
       n = 0
       do i = 1, size(corner, 2)
-         if (n > 0) then
-            if (norm2(corner(:, i) - corner(:, n)) <= tolerance) cycle
-         end if
          n = n + 1
          corner(:, n) = corner(:, i)
+         if (n > 1) then
+            if (are_one(n, n - 1)) n = n - 1
+         end if
+         if (n > 2) then
+            if (are_one(n, n - 2)) n = n - 2
+         end if
       end do
-      do while (n > 1)
-         if (norm2(corner(:, n) - corner(:, 1)) > tolerance) exit
-         n = n - 1
+      ! the same where the last corners meet the first ones
+      last = n + 1
+      do while (n > 1 .and. n < last)
+         last = n
+         if (are_one(n, 1) .or. n == 2) then
+            n = n - 1
+         else if (are_one(n - 1, 1)) then
+            n = n - 2
+         else if (are_one(n, 2)) then
+            corner(:, :n - 2) = corner(:, 2:n - 1)
+            n = n - 2
+         end if
       end do
+
+   contains
+
+      pure function are_one(first, second) result(answer)
+         integer, intent(in) :: first, second
+         logical :: answer
+
+         answer = norm2(corner(:, first) - corner(:, second)) <= tolerance
+      end function are_one
+
    end subroutine drop_repeated
 
    !> Which corners to cut off next: `n_cut` of them from `first` on. The choice makes the smaller

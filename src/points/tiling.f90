@@ -8,6 +8,7 @@ module coulter_points_tiling
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: area_and_centroid
    use coulter_points_tile_quality, only: aspect_ratio, corner_jacobians, relative_jacobian
+   use coulter_points_welding, only: weld
    implicit none(type, external)
    private
    public :: tiling_type, new_tiling, corner_gradients, corner_weights, tile_centroid, &
@@ -202,31 +203,13 @@ contains
       type(tiling_type), intent(inout) :: tiling
       real(wp), intent(in) :: vertex(:, :)
       real(wp), intent(in) :: tolerance
-      integer :: order(size(vertex, 2)), number(size(vertex, 2))
-      real(wp) :: position(2, size(vertex, 2))
-      integer :: i, k, n, first
+      integer :: number(size(vertex, 2)), i
 
-      call sort_by_first(vertex(1, :), order)
-      n = 0
-      first = 1
-      do i = 1, size(order)
-         ! corners that are too far left can be forgotten
-         do while (first <= n)
-            if (position(1, first) >= vertex(1, order(i)) - tolerance) exit
-            first = first + 1
-         end do
-         do k = n, first, -1
-            if (maxval(abs(position(:, k) - vertex(:, order(i)))) <= tolerance) exit
-         end do
-         if (k < first) then
-            n = n + 1
-            k = n
-            position(:, n) = vertex(:, order(i))
-         end if
-         number(order(i)) = k
+      call weld(vertex, tolerance, number, tiling%n_corners)
+      allocate (tiling%position(2, tiling%n_corners))
+      do i = size(number), 1, -1
+         tiling%position(:, number(i)) = vertex(:, i)
       end do
-      tiling%n_corners = n
-      tiling%position = position(:, :n)
       tiling%corner = reshape(number, shape(tiling%corner))
    end subroutine merge_corners
 
@@ -282,48 +265,5 @@ contains
          end do
       end do
    end subroutine list_leaving_edges
-
-   !> Order that sorts numbers ascending: bottom-up merge sort.
-   pure subroutine sort_by_first(key, order)
-      real(wp), intent(in) :: key(:)
-      integer, intent(out) :: order(:)
-      integer :: merged(size(order)), width, low, middle, high, i, j, k
-
-      do i = 1, size(order)
-         order(i) = i
-      end do
-      width = 1
-      do while (width < size(order))
-         do low = 1, size(order), 2*width
-            middle = min(low + width, size(order) + 1)
-            high = min(low + 2*width, size(order) + 1)
-            i = low
-            j = middle
-            do k = low, high - 1
-               if (takes_left(i, j)) then
-                  merged(k) = order(i)
-                  i = i + 1
-               else
-                  merged(k) = order(j)
-                  j = j + 1
-               end if
-            end do
-         end do
-         order = merged
-         width = 2*width
-      end do
-
-   contains
-
-      !> Does the next number come from the left half?
-      pure function takes_left(i, j) result(answer)
-         integer, intent(in) :: i, j
-         logical :: answer
-
-         answer = i < middle
-         if (answer .and. j < high) answer = key(order(i)) <= key(order(j))
-      end function takes_left
-
-   end subroutine sort_by_first
 
 end module coulter_points_tiling

@@ -20,18 +20,16 @@ SAFE = ("band, cpdi2", "angle, cpdi2", "angle on nodes, cpdi2", "cut, cpdi2", "c
         "points per cell, cpdi2", "spacing, cpdi2", "spacing, aligned, cpdi2",
         "column load, cpdi2", "carried, cpdi2", "wall of two segments", "two walls, aligned",
         "column with walls", "two walls", "two walls, h = 1", "hourglass", "ghost penalty")
-#: Broken, see "Known faults" in docs/stability.md.
-KNOWN = [("grid offset, cpdi2", "3e-08 h at 45.0 degrees")]
 FAST = [case for case in SWEEPS if not any(word in case.sweep for word in SLOW)]
+#: Corners between the tolerances by which tiles are joined and moved onto grid lines.
+NEAR_MISSES = [f"{offset} h at 45.0 degrees" for offset in (3e-8, 5e-8, 9e-8, 2e-7)]
 #: Every third case of the long sweeps, all of the short ones.
 CASES = [case for i, case in enumerate(FAST)
-         if i % 3 == 0 or sum(other.sweep == case.sweep for other in FAST) <= 8]
+         if i % 3 == 0 or case.name in NEAR_MISSES or sum(other.sweep == case.sweep for other in FAST) <= 8]
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case.sweep}: {case.name}")
 def test_no_silent_wrong_answer(case):
-    if (case.sweep, case.name) in KNOWN:
-        pytest.xfail("hanging corners")
     outcome = run_scene(case.scene, PROGRAM)
     assert outcome.keeps_rule, outcome
     if case.sweep in SAFE:

@@ -1,0 +1,143 @@
+!> Places that nearly coincide become one.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_points_welding
+   use coulter_base_kinds, only: wp
+   implicit none(type, external)
+   private
+   public :: weld
+
+contains
+
+   !> Number the distinct places among many, ordered by x. Two are one when a chain of places runs
+   !> from one to the other with no gap above a tolerance (single linkage): twins that differ by
+   !> round-off always get the same number, whatever lies near.
+   pure subroutine weld(position, tolerance, number, n)
+      !> Places, length units, shape (2, n_places).
+      real(wp), intent(in) :: position(:, :)
+      !> Gap per component that is closed.
+      real(wp), intent(in) :: tolerance
+      !> Number of every place, from 1, shape (n_places).
+      integer, intent(out) :: number(:)
+      !> How many are distinct.
+      integer, intent(out) :: n
+      integer :: order(size(number)), parent(size(number)), first, last, i, j, k
+
+      call sort(position(1, :), order)
+      parent = [(i, i=1, size(number))]
+      last = 0
+      do while (last < size(order))
+         ! places in a column that no other is near, from the lowest to the highest
+         first = last + 1
+         last = end_of_column(position(1, :), order, first, tolerance)
+         order(first:last) = sorted_by(position(2, :), order(first:last))
+         do i = first, last
+            do j = i + 1, last
+               if (position(2, order(j)) - position(2, order(i)) > tolerance) exit
+               if (abs(position(1, order(j)) - position(1, order(i))) > tolerance) cycle
+               call join(parent, order(i), order(j))
+            end do
+         end do
+      end do
+      n = 0
+      number = 0
+      do i = 1, size(order)
+         k = root(parent, order(i))
+         if (number(k) == 0) then
+            n = n + 1
+            number(k) = n
+         end if
+         number(order(i)) = number(k)
+      end do
+   end subroutine weld
+
+   !> Last place, in order of x, before the next gap.
+   pure function end_of_column(x, order, first, tolerance) result(last)
+      real(wp), intent(in) :: x(:), tolerance
+      integer, intent(in) :: order(:), first
+      integer :: last
+
+      last = first
+      do while (last < size(order))
+         if (x(order(last + 1)) - x(order(last)) > tolerance) exit
+         last = last + 1
+      end do
+   end function end_of_column
+
+   !> Some places in the order of a coordinate.
+   pure function sorted_by(coordinate, some) result(sorted)
+      real(wp), intent(in) :: coordinate(:)
+      integer, intent(in) :: some(:)
+      integer :: sorted(size(some))
+
+      call sort(coordinate(some), sorted)
+      sorted = some(sorted)
+   end function sorted_by
+
+   !> Let two places have the same number.
+   pure subroutine join(parent, first, second)
+      integer, intent(inout) :: parent(:)
+      integer, intent(in) :: first, second
+      integer :: a, b
+
+      a = root(parent, first)
+      b = root(parent, second)
+      parent(max(a, b)) = min(a, b)
+      parent(first) = min(a, b)
+      parent(second) = min(a, b)
+   end subroutine join
+
+   !> The place that stands for all that are one with some place.
+   pure function root(parent, place) result(found)
+      integer, intent(in) :: parent(:), place
+      integer :: found
+
+      found = place
+      do while (parent(found) /= found)
+         found = parent(found)
+      end do
+   end function root
+
+   !> Order that sorts numbers ascending: bottom-up merge sort.
+   pure subroutine sort(key, order)
+      real(wp), intent(in) :: key(:)
+      integer, intent(out) :: order(:)
+      integer :: merged(size(order)), width, low, middle, high, i, j, k
+
+      do i = 1, size(order)
+         order(i) = i
+      end do
+      width = 1
+      do while (width < size(order))
+         do low = 1, size(order), 2*width
+            middle = min(low + width, size(order) + 1)
+            high = min(low + 2*width, size(order) + 1)
+            i = low
+            j = middle
+            do k = low, high - 1
+               if (takes_left(i, j)) then
+                  merged(k) = order(i)
+                  i = i + 1
+               else
+                  merged(k) = order(j)
+                  j = j + 1
+               end if
+            end do
+         end do
+         order = merged
+         width = 2*width
+      end do
+
+   contains
+
+      !> Does the next number come from the left half?
+      pure function takes_left(i, j) result(answer)
+         integer, intent(in) :: i, j
+         logical :: answer
+
+         answer = i < middle
+         if (answer .and. j < high) answer = key(order(i)) <= key(order(j))
+      end function takes_left
+
+   end subroutine sort
+
+end module coulter_points_welding
