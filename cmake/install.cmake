@@ -6,6 +6,8 @@ install(TARGETS coulter_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS coulter EXPORT coulter-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY ${PROJECT_BINARY_DIR}/modules/ DESTINATION ${module_install_dir}
   FILES_MATCHING PATTERN "*.mod")
+install(FILES ${PROJECT_SOURCE_DIR}/include/umat/ABA_PARAM.INC
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/coulter/umat)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/licenses/coulter)
 
 # find_package(coulter) -> coulter::coulter
