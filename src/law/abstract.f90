@@ -4,10 +4,42 @@ module coulter_law_abstract
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: law_type, law_item_type, n_plane
+   public :: law_type, law_item_type, law_response_type, law_variable_type, law_visit_type, n_plane
 
    !> Components of a symmetric tensor in plane strain and axisymmetry: xx, yy, zz, xy.
    integer, parameter :: n_plane = 4
+
+   !> Where and when a law is asked; most laws do not look at it.
+   type :: law_visit_type
+      !> Time at the end of the step.
+      real(wp) :: time = 0.0_wp
+      !> Length of the step; 0: no time passes.
+      real(wp) :: time_step = 0.0_wp
+      !> Number of the point, for messages.
+      integer :: point = 0
+   end type law_visit_type
+
+   !> What a law answers. No component has a default, which would be set at every visit.
+   type :: law_response_type
+      !> Kirchhoff stress xx, yy, zz, xy, tension positive.
+      real(wp) :: stress(n_plane)
+      !> Algorithmic tangent, d stress(i) / d trial_strain(j).
+      real(wp) :: tangent(n_plane, n_plane)
+      !> Logarithmic elastic strain after return mapping: xx, yy, zz and engineering shear 2 xy.
+      real(wp) :: strain(n_plane)
+      !> Did the update fail? The step is then repeated with half its size.
+      logical :: has_failed
+   end type law_response_type
+
+   !> What a state variable is, for the results.
+   type :: law_variable_type
+      !> Name of the field.
+      character(len=32) :: name = ""
+      !> "1", "stress" or "1/time"; results put the label of the scene in the place of "stress".
+      character(len=8) :: unit = "1"
+      !> What it is.
+      character(len=80) :: meaning = ""
+   end type law_variable_type
 
    !> A law relates the logarithmic elastic strain to the Kirchhoff stress, so that small-strain
    !> return mapping carries over to finite strain unchanged (theory, section 1).
@@ -16,6 +48,8 @@ module coulter_law_abstract
       character(len=:), allocatable :: name
       !> Number of state variables per point.
       integer :: n_state = 0
+      !> What they are, shape (n_state); unallocated when there are none.
+      type(law_variable_type), allocatable :: variables(:)
       !> Is the algorithmic tangent symmetric (elastic and associated laws)?
       logical :: is_symmetric = .true.
       !> Is the law elastic, so that the elastic strain always equals the trial strain?
@@ -24,6 +58,7 @@ module coulter_law_abstract
       procedure(update_interface), deferred :: update
       procedure(moduli_interface), deferred :: elastic_moduli
       procedure(strain_interface), deferred :: elastic_strain
+      procedure :: initial_state
    end type law_type
 
    !> A law of any kind, to be kept in arrays.
@@ -33,33 +68,33 @@ module coulter_law_abstract
    end type law_item_type
 
    abstract interface
-      !> Stress at the end of a strain increment, and its consistent tangent.
-      pure subroutine update_interface(self, trial_strain, state, stress, tangent, strain, &
-                                       new_state, has_failed)
-         import :: law_type, n_plane, wp
+      !> Stress at the end of a strain increment, and its consistent tangent. Laws that call nothing
+      !> foreign are pure.
+      subroutine update_interface(self, visit, trial_strain, state, response, new_state)
+         import :: law_response_type, law_type, law_visit_type, n_plane, wp
          implicit none (type, external)
          class(law_type), intent(in) :: self
+         !> Where and when.
+         type(law_visit_type), intent(in) :: visit
          !> Logarithmic elastic trial strain: xx, yy, zz and engineering shear 2 xy.
          real(wp), intent(in) :: trial_strain(n_plane)
          !> State variables at the start of the step.
          real(wp), intent(in) :: state(self%n_state)
-         !> Kirchhoff stress xx, yy, zz, xy, tension positive.
-         real(wp), intent(out) :: stress(n_plane)
-         !> Algorithmic tangent, d stress(i) / d trial_strain(j).
-         real(wp), intent(out) :: tangent(n_plane, n_plane)
-         !> Logarithmic elastic strain after return mapping, components as `trial_strain`.
-         real(wp), intent(out) :: strain(n_plane)
+         !> Stress, tangent and elastic strain.
+         type(law_response_type), intent(out) :: response
          !> State variables at the end of the step.
          real(wp), intent(out) :: new_state(self%n_state)
-         !> Did the update fail? The step is then repeated with half its size.
-         logical, intent(out) :: has_failed
       end subroutine update_interface
 
-      !> Elastic moduli that scale boundary penalties; constant during a step.
-      pure subroutine moduli_interface(self, lame_lambda, shear_modulus)
-         import :: law_type, wp
+      !> Elastic moduli that scale boundary penalties, from the state at the start of the step.
+      pure subroutine moduli_interface(self, stress, state, lame_lambda, shear_modulus)
+         import :: law_type, n_plane, wp
          implicit none (type, external)
          class(law_type), intent(in) :: self
+         !> Kirchhoff stress xx, yy, zz, xy.
+         real(wp), intent(in) :: stress(n_plane)
+         !> State variables.
+         real(wp), intent(in) :: state(self%n_state)
          !> First Lame parameter, stress units.
          real(wp), intent(out) :: lame_lambda
          !> Shear modulus, stress units.
@@ -67,15 +102,34 @@ module coulter_law_abstract
       end subroutine moduli_interface
 
       !> Logarithmic elastic strain that carries a given stress, for bodies with initial stress.
-      pure function strain_interface(self, stress) result(strain)
+      pure function strain_interface(self, stress, state) result(strain)
          import :: law_type, n_plane, wp
          implicit none (type, external)
          class(law_type), intent(in) :: self
          !> Kirchhoff stress xx, yy, zz, xy.
          real(wp), intent(in) :: stress(n_plane)
+         !> State variables, from `initial_state`.
+         real(wp), intent(in) :: state(self%n_state)
          !> Elastic strain xx, yy, zz, 2 xy.
          real(wp) :: strain(n_plane)
       end function strain_interface
    end interface
+
+contains
+
+   !> State of a point before the first step. Laws whose parameters vary with depth, or that
+   !> remember the largest pressure, keep what holds at the point as state variables. Unless a law
+   !> overrides it: zeros.
+   subroutine initial_state(self, stress, position, state)
+      class(law_type), intent(in) :: self
+      !> Kirchhoff stress xx, yy, zz, xy at the start.
+      real(wp), intent(in) :: stress(n_plane)
+      !> Position at the start, length units.
+      real(wp), intent(in) :: position(2)
+      !> State variables.
+      real(wp), intent(out) :: state(self%n_state)
+
+      state = 0.0_wp
+   end subroutine initial_state
 
 end module coulter_law_abstract

@@ -5,7 +5,7 @@
 module coulter_law_hencky
    use coulter_base_error, only: error_type, fatal_error
    use coulter_base_kinds, only: wp
-   use coulter_law_abstract, only: law_type, n_plane
+   use coulter_law_abstract, only: law_response_type, law_type, law_visit_type, n_plane
    implicit none(type, external)
    private
    public :: hencky_type, new_hencky
@@ -50,42 +50,41 @@ contains
    end subroutine new_hencky
 
    !> See `law_type`; the update of an elastic law is a matrix product.
-   pure subroutine update_hencky(self, trial_strain, state, stress, tangent, strain, &
-                                 new_state, has_failed)
+   pure subroutine update_hencky(self, visit, trial_strain, state, response, new_state)
       class(hencky_type), intent(in) :: self
+      !> Of no interest.
+      type(law_visit_type), intent(in) :: visit
       !> Logarithmic elastic trial strain.
       real(wp), intent(in) :: trial_strain(n_plane)
       !> State variables: none.
       real(wp), intent(in) :: state(self%n_state)
-      !> Kirchhoff stress.
-      real(wp), intent(out) :: stress(n_plane)
-      !> Elastic stiffness.
-      real(wp), intent(out) :: tangent(n_plane, n_plane)
-      !> The trial strain.
-      real(wp), intent(out) :: strain(n_plane)
+      !> Kirchhoff stress and elastic stiffness; the strain is the trial strain.
+      type(law_response_type), intent(out) :: response
       !> State variables: none.
       real(wp), intent(out) :: new_state(self%n_state)
-      !> Always false.
-      logical, intent(out) :: has_failed
       integer :: i
 
-      tangent = 0.0_wp
-      tangent(:3, :3) = self%lame_lambda
+      response%has_failed = .false.
+      response%tangent = 0.0_wp
+      response%tangent(:3, :3) = self%lame_lambda
       do i = 1, 3
-         tangent(i, i) = self%lame_lambda + 2.0_wp*self%shear_modulus
+         response%tangent(i, i) = self%lame_lambda + 2.0_wp*self%shear_modulus
       end do
-      tangent(4, 4) = self%shear_modulus
-      stress(:3) = self%lame_lambda*sum(trial_strain(:3)) &
+      response%tangent(4, 4) = self%shear_modulus
+      response%stress(:3) = self%lame_lambda*sum(trial_strain(:3)) &
          + 2.0_wp*self%shear_modulus*trial_strain(:3)
-      stress(4) = self%shear_modulus*trial_strain(4)
-      strain = trial_strain
+      response%stress(4) = self%shear_modulus*trial_strain(4)
+      response%strain = trial_strain
       new_state = state
-      has_failed = .false.
    end subroutine update_hencky
 
    !> See `law_type`.
-   pure subroutine hencky_moduli(self, lame_lambda, shear_modulus)
+   pure subroutine hencky_moduli(self, stress, state, lame_lambda, shear_modulus)
       class(hencky_type), intent(in) :: self
+      !> Of no influence.
+      real(wp), intent(in) :: stress(n_plane)
+      !> State variables: none.
+      real(wp), intent(in) :: state(self%n_state)
       !> First Lame parameter.
       real(wp), intent(out) :: lame_lambda
       !> Shear modulus.
@@ -96,10 +95,12 @@ contains
    end subroutine hencky_moduli
 
    !> See `law_type`: eps = (tau - lambda/(3 lambda + 2 G) tr(tau) 1)/(2 G).
-   pure function hencky_strain(self, stress) result(strain)
+   pure function hencky_strain(self, stress, state) result(strain)
       class(hencky_type), intent(in) :: self
       !> Kirchhoff stress.
       real(wp), intent(in) :: stress(n_plane)
+      !> State variables: none.
+      real(wp), intent(in) :: state(self%n_state)
       !> Logarithmic elastic strain.
       real(wp) :: strain(n_plane)
       real(wp) :: share

@@ -1,11 +1,12 @@
 !> Public face of the constitutive laws. A new law is one file beside this one and one line here.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_law
-   use coulter_law_abstract, only: law_item_type, law_type, n_plane
+   use coulter_law_abstract, only: law_item_type, law_response_type, law_type, law_variable_type, &
+      law_visit_type, n_plane
    use coulter_law_hencky, only: hencky_type, new_hencky
    implicit none(type, external)
    private
-   public :: law_item_type, law_type, n_plane
+   public :: law_item_type, law_response_type, law_type, law_variable_type, law_visit_type, n_plane
    public :: hencky_type, new_hencky
 
 end module coulter_law

@@ -14,7 +14,7 @@ module coulter_model
    implicit none(type, external)
    private
    public :: model_type, fixity_type, units_type, body_force_type
-   public :: load_factor, boundary_motion
+   public :: load_factor, boundary_motion, point_moduli
 
    !> Labels for logs and plots; Coulter computes in any consistent units.
    type :: units_type
@@ -114,5 +114,23 @@ contains
             *(load_factor(model, table, end_time) - load_factor(model, table, start_time))
       end associate
    end function boundary_motion
+
+   !> Elastic moduli of a point at the start of the step, which scale penalties.
+   pure subroutine point_moduli(model, point, lame_lambda, shear_modulus)
+      !> Scene.
+      type(model_type), intent(in) :: model
+      !> Number of the point.
+      integer, intent(in) :: point
+      !> First Lame parameter, stress units.
+      real(wp), intent(out) :: lame_lambda
+      !> Shear modulus, stress units.
+      real(wp), intent(out) :: shear_modulus
+
+      associate (law => model%laws(model%bodies(model%points%body(point))%law)%law, &
+                 state => model%points%converged)
+         call law%elastic_moduli(state%kirchhoff_stress(:, point), &
+                                 state%law_state(:law%n_state, point), lame_lambda, shear_modulus)
+      end associate
+   end subroutine point_moduli
 
 end module coulter_model

@@ -4,12 +4,13 @@ module coulter_model_prepare
    use coulter_base_faults, only: fault_list_type
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: area_and_centroid, overlap_area, polyline_distance
+   use coulter_base_tensor, only: finger_of_log_strain_plane
    use coulter_base_text, only: to_text
    use coulter_boundary, only: boundary_type, formulation_implicit, kind_fixed
    use coulter_boundary_edge_load, only: find_loaded_edges, loaded_edge_type
    use coulter_model, only: model_type
    use coulter_model_control, only: domains_tiles
-   use coulter_points_seeding, only: seed_initial_stress, seed_points, seed_tiles
+   use coulter_points_seeding, only: seed_points, seed_tiles
    implicit none(type, external)
    private
    public :: prepare_model
@@ -159,7 +160,7 @@ contains
    end subroutine check_boundaries
 
    !> Is the band of the implicit boundary method too wide for nearly incompressible material?
-   pure function is_too_soft(model, boundary) result(answer)
+   function is_too_soft(model, boundary) result(answer)
       type(model_type), intent(in) :: model
       type(boundary_type), intent(in) :: boundary
       logical :: answer
@@ -170,17 +171,25 @@ contains
          .and. ratio > nearly_incompressible .and. boundary%band_ratio*ratio > widest_yielding_band
    end function is_too_soft
 
-   !> Largest ratio of the confined to the shear modulus among the laws.
-   pure function largest_stiffness_ratio(model) result(ratio)
+   !> Largest ratio of the confined to the shear modulus among the bodies at the start.
+   function largest_stiffness_ratio(model) result(ratio)
       type(model_type), intent(in) :: model
       real(wp) :: ratio
       real(wp) :: lame_lambda, shear_modulus
-      integer :: i
+      real(wp), allocatable :: state(:)
+      integer :: b, r
 
       ratio = 0.0_wp
-      do i = 1, size(model%laws)
-         call model%laws(i)%law%elastic_moduli(lame_lambda, shear_modulus)
-         ratio = max(ratio, lame_lambda/shear_modulus + 2.0_wp)
+      do b = 1, size(model%bodies)
+         associate (body => model%bodies(b), law => model%laws(model%bodies(b)%law)%law)
+            allocate (state(law%n_state))
+            do r = 1, size(body%regions)
+               call law%initial_state(body%initial_stress, body%regions(r)%vertices(:, 1), state)
+               call law%elastic_moduli(body%initial_stress, state, lame_lambda, shear_modulus)
+               ratio = max(ratio, lame_lambda/shear_modulus + 2.0_wp)
+            end do
+            deallocate (state)
+         end associate
       end do
    end function largest_stiffness_ratio
 
@@ -227,7 +236,7 @@ contains
    !> Points of all bodies with their initial stress.
    subroutine seed_model(model)
       type(model_type), intent(inout) :: model
-      integer :: b, i, n_state
+      integer :: i, n_state, p
 
       n_state = 0
       do i = 1, size(model%laws)
@@ -239,14 +248,28 @@ contains
       else
          call seed_points(model%points, model%grid, model%bodies, n_state)
       end if
-      do b = 1, size(model%bodies)
-         associate (stress => model%bodies(b)%initial_stress)
-            if (.not. any(abs(stress) > 0.0_wp)) cycle
-            associate (item => model%laws(model%bodies(b)%law))
-               call seed_initial_stress(model%points, b, item%law%elastic_strain(stress), stress)
-            end associate
-         end associate
+      do p = 1, model%points%n_points
+         call start_point(model, p, model%bodies(model%points%body(p))%initial_stress)
       end do
    end subroutine seed_model
+
+   !> Initial state of a point that carries a stress.
+   subroutine start_point(model, p, stress)
+      type(model_type), intent(inout) :: model
+      integer, intent(in) :: p
+      real(wp), intent(in) :: stress(4)
+
+      associate (law => model%laws(model%bodies(model%points%body(p))%law)%law, &
+                 start => model%points%converged)
+         associate (state => start%law_state(:law%n_state, p))
+            call law%initial_state(stress, model%points%position(:, p), state)
+            if (.not. any(abs(stress) > 0.0_wp)) return
+            call finger_of_log_strain_plane(law%elastic_strain(stress, state), &
+                                            start%elastic_finger(:, p))
+            ! Cauchy stress as well, since J = 1
+            start%kirchhoff_stress(:, p) = stress
+         end associate
+      end associate
+   end subroutine start_point
 
 end module coulter_model_prepare

@@ -3,7 +3,6 @@
 module coulter_points_seeding
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: area_and_centroid, clip_box, polygon_type
-   use coulter_base_tensor, only: finger_of_log_strain_plane
    use coulter_grid, only: grid_type
    use coulter_points, only: allocate_points, points_type
    use coulter_points_body, only: body_type, region_type
@@ -11,7 +10,7 @@ module coulter_points_seeding
    use coulter_points_tiling, only: new_tiling, tiling_type
    implicit none(type, external)
    private
-   public :: seed_points, seed_tiles, seed_initial_stress
+   public :: seed_points, seed_tiles
 
    !> Truncated sub-cells smaller than this share of a full one are left out: they weigh nothing
    !> and their position would be round-off.
@@ -153,27 +152,6 @@ contains
          end associate
       end do
    end subroutine make_points
-
-   !> Give the points of a body a uniform stress, balanced or not.
-   pure subroutine seed_initial_stress(points, body, strain, stress)
-      !> Points to change.
-      type(points_type), intent(inout) :: points
-      !> Number of the body.
-      integer, intent(in) :: body
-      !> Logarithmic elastic strain that carries the stress: xx, yy, zz, 2 xy.
-      real(wp), intent(in) :: strain(4)
-      !> Kirchhoff stress xx, yy, zz, xy; Cauchy stress as well, since J = 1.
-      real(wp), intent(in) :: stress(4)
-      real(wp) :: finger(4)
-      integer :: p
-
-      call finger_of_log_strain_plane(strain, finger)
-      do p = 1, points%n_points
-         if (points%body(p) /= body) cycle
-         points%converged%elastic_finger(:, p) = finger
-         points%converged%kirchhoff_stress(:, p) = stress
-      end do
-   end subroutine seed_initial_stress
 
    !> Cut the region into rows of sub-cells, each row into sub-cells; those that are all but empty
    !> are left out.

@@ -5,7 +5,7 @@ module coulter_step_accept
    use coulter_base_tensor, only: finger_of_log_strain_plane, log_strain_plane
    use coulter_base_text, only: to_text
    use coulter_grid_shape, only: shape_gradients_2d, shape_values_2d
-   use coulter_law, only: n_plane
+   use coulter_law, only: law_response_type, n_plane
    use coulter_model, only: boundary_motion, model_type
    use coulter_points, only: point_state_type
    use coulter_points_tiling, only: tile_centroid
@@ -70,8 +70,8 @@ contains
             p = system%cells%point(k)
             local = system%cells%local_position(model%grid, c, model%points%position(:, p))
             moved(:, p) = matmul(increment, shape_values_2d(local))
-            call update_point(model, p, shape_gradients_2d(local, model%grid%spacing), increment, &
-                              has_failed)
+            call update_point(model, system, p, shape_gradients_2d(local, model%grid%spacing), &
+                              increment, has_failed)
             failed_point = p
             if (has_failed) return
             has_failed = .not. model%grid%contains_position(model%points%position(:, p) &
@@ -95,7 +95,7 @@ contains
       do p = 1, model%points%n_points
          associate (corner => model%tiling%corner(:, p))
             increment = system%map%increment(:, corner)
-            call update_point(model, p, system%map%gradient(:, :, p), increment, has_failed)
+            call update_point(model, system, p, system%map%gradient(:, :, p), increment, has_failed)
             increment = increment + model%tiling%position(:, corner)
          end associate
          failed_point = p
@@ -108,13 +108,14 @@ contains
    end subroutine update_tiles
 
    !> Trial state of one point.
-   subroutine update_point(model, p, gradient, increment, has_failed)
+   subroutine update_point(model, system, p, gradient, increment, has_failed)
       type(model_type), intent(inout) :: model
+      type(system_type), intent(in) :: system
       integer, intent(in) :: p
       real(wp), intent(in) :: gradient(2, 4), increment(2, 4)
       logical, intent(out) :: has_failed
       real(wp) :: deformation(2, 2), volume_ratio, finger(4), strain(n_plane)
-      real(wp) :: tangent(n_plane, n_plane), elastic_strain(n_plane)
+      type(law_response_type) :: response
 
       associate (old => model%points%converged, new => model%points%trial, &
                  item => model%laws(model%bodies(model%points%body(p))%law))
@@ -123,11 +124,12 @@ contains
          has_failed = .not. volume_ratio > 0.0_wp
          if (has_failed) return
          call log_strain_plane(finger, strain)
-         call item%law%update(strain, old%law_state(:item%law%n_state, p), &
-                              new%kirchhoff_stress(:, p), tangent, elastic_strain, &
-                              new%law_state(:item%law%n_state, p), has_failed)
+         call item%law%update(system%visit(p), strain, old%law_state(:item%law%n_state, p), &
+                              response, new%law_state(:item%law%n_state, p))
+         has_failed = response%has_failed
          if (has_failed) return
-         if (.not. item%law%is_elastic) call finger_of_log_strain_plane(elastic_strain, finger)
+         new%kirchhoff_stress(:, p) = response%stress
+         if (.not. item%law%is_elastic) call finger_of_log_strain_plane(response%strain, finger)
          new%elastic_finger(:, p) = finger
          new%deformation_gradient(:4, p) = &
             reshape(matmul(deformation, reshape(old%deformation_gradient(:4, p), [2, 2])), [4])

@@ -100,7 +100,8 @@ contains
          gradient = shape_gradients_2d(system%cells%local_position(model%grid, c, &
                                           model%points%position(:, p)), spacing)
          associate (item => model%laws(model%bodies(model%points%body(p))%law))
-            call add_point(item%law, gradient, increment, model%points%reference_volume(p), &
+            call add_point(item%law, system%visit(p), gradient, increment, &
+                           model%points%reference_volume(p), &
                            model%points%converged%elastic_finger(:, p), &
                            model%points%converged%law_state(:, p), force, stiffness, has_failed)
          end associate

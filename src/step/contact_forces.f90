@@ -10,7 +10,7 @@ module coulter_step_contact_forces
    use coulter_boundary, only: formulation_augmented, formulation_nitsche
    use coulter_boundary_contact, only: contact_type
    use coulter_boundary_ibm, only: band_stiffness_factor
-   use coulter_model, only: model_type
+   use coulter_model, only: model_type, point_moduli
    use coulter_step_point_kernel, only: point_response_type
    use coulter_step_system, only: system_type
    use coulter_step_tile_scatter, only: add_at_corners, respond_tile, scatter_tile
@@ -142,8 +142,7 @@ contains
       real(wp) :: penalty(2)
       real(wp) :: lame_lambda, shear_modulus
 
-      call model%laws(model%bodies(model%points%body(contact%tile))%law)%law &
-         %elastic_moduli(lame_lambda, shear_modulus)
+      call point_moduli(model, contact%tile, lame_lambda, shear_modulus)
       penalty = band_stiffness_factor*[lame_lambda + 2.0_wp*shear_modulus, shear_modulus] &
          /(model%boundaries(contact%boundary)%band_ratio*model%grid%smallest_spacing())
    end function penalties

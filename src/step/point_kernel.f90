@@ -5,7 +5,7 @@
 module coulter_step_point_kernel
    use coulter_base_kinds, only: wp
    use coulter_base_tensor, only: inverse_2d, log_strain_plane, log_strain_tangent_plane
-   use coulter_law, only: law_type, n_plane
+   use coulter_law, only: law_response_type, law_type, law_visit_type, n_plane
    implicit none(type, external)
    private
    public :: point_response_type, deform_point, respond, add_point, add_force, add_stiffness
@@ -59,10 +59,12 @@ contains
    end subroutine deform_point
 
    !> Stress and spatial moduli of a point at the end of the step.
-   pure subroutine respond(law, gradient, increment, converged_finger, law_state, response, &
-                           has_failed)
+   subroutine respond(law, visit, gradient, increment, converged_finger, law_state, response, &
+                      has_failed)
       !> Law of the point.
       class(law_type), intent(in) :: law
+      !> Where and when the law is asked.
+      type(law_visit_type), intent(in) :: visit
       !> Shape function gradients at the start of the step, per length.
       real(wp), intent(in) :: gradient(2, 4)
       !> Displacement increments of the nodes or corners, length units.
@@ -76,7 +78,7 @@ contains
       !> Is the point turned inside out, or did its law fail?
       logical, intent(out) :: has_failed
       real(wp) :: deformation(2, 2), volume_ratio, finger(4), strain(n_plane)
-      real(wp) :: law_tangent(n_plane, n_plane), elastic_strain(n_plane)
+      type(law_response_type) :: answer
       real(wp) :: new_state(law%n_state)
 
       call deform_point(gradient, increment, converged_finger, deformation, volume_ratio, finger)
@@ -85,18 +87,21 @@ contains
       response%inverse = inverse_2d(deformation, volume_ratio)
       response%gradient = matmul(transpose(response%inverse), gradient)
       call log_strain_plane(finger, strain)
-      call law%update(strain, law_state(:law%n_state), response%stress, law_tangent, &
-                      elastic_strain, new_state, has_failed)
+      call law%update(visit, strain, law_state(:law%n_state), answer, new_state)
+      has_failed = answer%has_failed
       if (has_failed) return
-      call spatial_moduli(finger, response%stress, law_tangent, response%moduli)
+      response%stress = answer%stress
+      call spatial_moduli(finger, answer%stress, answer%tangent, response%moduli)
    end subroutine respond
 
    !> Add the internal force and the tangent of a point to those of its cell:
    !> f_v = tau dN_v/dx V0 and K_vw = V0 dN_v,j A_ijkl dN_w,l. Arguments: see `respond`.
-   pure subroutine add_point(law, gradient, increment, volume, converged_finger, law_state, &
-                             force, stiffness, has_failed)
+   subroutine add_point(law, visit, gradient, increment, volume, converged_finger, law_state, &
+                        force, stiffness, has_failed)
       !> Law of the point.
       class(law_type), intent(in) :: law
+      !> Where and when the law is asked.
+      type(law_visit_type), intent(in) :: visit
       !> Shape function gradients at the start of the step, per length.
       real(wp), intent(in) :: gradient(2, 4)
       !> Displacement increments of the nodes, length units.
@@ -115,7 +120,8 @@ contains
       logical, intent(out) :: has_failed
       type(point_response_type) :: response
 
-      call respond(law, gradient, increment, converged_finger, law_state, response, has_failed)
+      call respond(law, visit, gradient, increment, converged_finger, law_state, response, &
+                   has_failed)
       if (has_failed) return
       call add_force(response%gradient, response%stress, volume, force)
       call add_stiffness(response%gradient, response%moduli, volume, stiffness)

@@ -7,7 +7,7 @@ module coulter_step_point_setup
    use coulter_boundary_stations, only: build_stations, reach_type, recall_tractions
    use coulter_grid_cells, only: locate_points, number_nodes
    use coulter_grid_shape, only: shape_values_2d
-   use coulter_model, only: model_type
+   use coulter_model, only: model_type, point_moduli
    use coulter_model_control, only: small_cells_aggregate, small_cells_drop, small_cells_keep
    use coulter_step_dofs, only: couple_cells, nodes_of_filled_cells, number_dofs
    use coulter_step_system, only: make_room, renew_pattern, system_type
@@ -99,14 +99,12 @@ contains
    pure subroutine equip_stations(system, model)
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
-      integer :: k, point, law
+      integer :: k, point
 
       do k = 1, system%stations%n
          associate (station => system%stations%item(k))
             point = system%cells%point(system%cells%point_start(station%material_cell))
-            law = model%bodies(model%points%body(point))%law
-            call model%laws(law)%law%elastic_moduli(station%law%lame_lambda, &
-                                                    station%law%shear_modulus)
+            call point_moduli(model, point, station%law%lame_lambda, station%law%shear_modulus)
          end associate
       end do
       if (.not. any(model%boundaries%has_memory)) return

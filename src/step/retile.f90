@@ -7,7 +7,7 @@ module coulter_step_retile
    use coulter_boundary_contact, only: carry_held_edges, held_edge_type
    use coulter_boundary_edge_load, only: carry_loaded_edges, loaded_edge_type
    use coulter_boundary_segment, only: new_segment, segment_type
-   use coulter_law, only: n_plane
+   use coulter_law, only: law_response_type, law_visit_type, n_plane
    use coulter_model, only: model_type
    use coulter_model_observer, only: step_report_type
    use coulter_points, only: points_type
@@ -211,8 +211,8 @@ contains
       type(model_type), intent(in) :: model
       type(points_type), intent(inout) :: points
       logical, intent(out) :: has_failed
-      real(wp) :: strain(n_plane), elastic_strain(n_plane), tangent(n_plane, n_plane)
-      real(wp) :: state(points%n_state)
+      type(law_response_type) :: response
+      real(wp) :: strain(n_plane), state(points%n_state)
       integer :: p
 
       has_failed = .false.
@@ -221,12 +221,15 @@ contains
             associate (item => model%laws(model%bodies(points%body(p))%law))
                call log_strain_plane(new%elastic_finger(:, p), strain)
                state = new%law_state(:, p)
-               call item%law%update(strain, state(:item%law%n_state), new%kirchhoff_stress(:, p), &
-                                    tangent, elastic_strain, new%law_state(:item%law%n_state, p), &
-                                    has_failed)
+               ! no time passes
+               call item%law%update(law_visit_type(time=model%time, point=p), strain, &
+                                    state(:item%law%n_state), response, &
+                                    new%law_state(:item%law%n_state, p))
+               has_failed = response%has_failed
                if (has_failed) return
+               new%kirchhoff_stress(:, p) = response%stress
                if (item%law%is_elastic) cycle
-               call finger_of_log_strain_plane(elastic_strain, new%elastic_finger(:, p))
+               call finger_of_log_strain_plane(response%strain, new%elastic_finger(:, p))
             end associate
          end do
       end associate

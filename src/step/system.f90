@@ -9,6 +9,7 @@ module coulter_step_system
    use coulter_boundary_edge_load, only: loaded_edge_type
    use coulter_boundary_stations, only: stations_type
    use coulter_grid_cells, only: cells_type
+   use coulter_law, only: law_visit_type
    use coulter_step_dofs, only: dofs_type
    use coulter_step_ghost, only: ghost_type
    use coulter_step_tile_map, only: tile_map_type
@@ -77,9 +78,23 @@ module coulter_step_system
       real(wp), allocatable :: boundary_reaction(:, :)
       !> Mass that each node carries, shape (n_nodes).
       real(wp), allocatable :: nodal_mass(:)
+   contains
+      procedure :: visit
    end type system_type
 
 contains
+
+   !> What the law of a point is told about the step.
+   elemental function visit(self, point)
+      class(system_type), intent(in) :: self
+      !> Number of the point.
+      integer, intent(in) :: point
+      type(law_visit_type) :: visit
+
+      visit%time = self%end_time
+      visit%time_step = self%end_time - self%start_time
+      visit%point = point
+   end function visit
 
    !> Make pattern, scatter map and symbolic factorisation, unless those of the last step hold.
    subroutine renew_pattern(system, elements, has_failed, order)

@@ -2,8 +2,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_tile_assembly
    use coulter_base_kinds, only: wp
-   use coulter_law, only: law_type
-   use coulter_model, only: model_type
+   use coulter_model, only: model_type, point_moduli
    use coulter_step_contact_forces, only: add_contacts
    use coulter_step_ghost, only: add_ghost_forces
    use coulter_step_point_kernel, only: add_force, add_stiffness, point_response_type
@@ -51,8 +50,7 @@ contains
       logical :: has_failed
 
       do p = 1, model%points%n_points
-         associate (law => model%laws(model%bodies(model%points%body(p))%law)%law, &
-                    corner => model%tiling%corner(:, p), &
+         associate (corner => model%tiling%corner(:, p), &
                     volume => model%points%reference_volume(p))
             call respond_tile(system, model, p, response, has_failed)
             failed_tile = p
@@ -61,7 +59,7 @@ contains
             stiffness = 0.0_wp
             call add_force(response%gradient, response%stress, volume, force)
             call add_stiffness(response%gradient, response%moduli, volume, stiffness)
-            call add_hourglass(hourglass_stiffness(law, model%control%hourglass_ratio), &
+            call add_hourglass(hourglass_stiffness(model, p), &
                                model%tiling%hourglass(:, p), model%tiling%position(:, corner) &
                                + system%map%increment(:, corner), force, stiffness)
             call add_at_corners(corner, force, at_corners)
@@ -72,15 +70,15 @@ contains
    end subroutine add_interiors
 
    !> k_hg = e (8/3) G/(1 - nu) with nu = lambda/(2 (lambda + G)).
-   pure function hourglass_stiffness(law, ratio) result(stiffness)
-      class(law_type), intent(in) :: law
-      real(wp), intent(in) :: ratio
+   pure function hourglass_stiffness(model, tile) result(stiffness)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: tile
       real(wp) :: stiffness
       real(wp) :: lame_lambda, shear_modulus
 
-      call law%elastic_moduli(lame_lambda, shear_modulus)
-      stiffness = ratio*16.0_wp/3.0_wp*shear_modulus*(lame_lambda + shear_modulus) &
-         /(lame_lambda + 2.0_wp*shear_modulus)
+      call point_moduli(model, tile, lame_lambda, shear_modulus)
+      stiffness = model%control%hourglass_ratio*16.0_wp/3.0_wp*shear_modulus &
+         *(lame_lambda + shear_modulus)/(lame_lambda + 2.0_wp*shear_modulus)
    end function hourglass_stiffness
 
    !> Hourglass control in total form: force k Gamma_a (sum_b Gamma_b x_b), zero for affine maps.

@@ -27,7 +27,7 @@ contains
       logical, intent(out) :: has_failed
 
       associate (item => model%laws(model%bodies(model%points%body(tile))%law))
-         call respond(item%law, system%map%gradient(:, :, tile), &
+         call respond(item%law, system%visit(tile), system%map%gradient(:, :, tile), &
                       system%map%increment(:, model%tiling%corner(:, tile)), &
                       model%points%converged%elastic_finger(:, tile), &
                       model%points%converged%law_state(:, tile), response, has_failed)

@@ -6,7 +6,7 @@ module coulter_step_tile_setup
    use coulter_boundary, only: formulation_augmented
    use coulter_boundary_contact, only: build_contacts, find_held_edges, recall_contacts
    use coulter_boundary_edge_load, only: find_loaded_edges
-   use coulter_model, only: boundary_motion, model_type
+   use coulter_model, only: boundary_motion, model_type, point_moduli
    use coulter_model_control, only: small_cells_aggregate
    use coulter_points_tiling, only: corner_weights
    use coulter_step_dofs, only: number_dofs
@@ -104,8 +104,7 @@ contains
       allocate (system%ghost_stiffness(system%ghost%n_faces))
       do f = 1, system%ghost%n_faces
          tile = max(system%map%tile_in_cell(system%ghost%cell(f)), 1)
-         call model%laws(model%bodies(model%points%body(tile))%law)%law &
-            %elastic_moduli(lame_lambda, shear_modulus)
+         call point_moduli(model, tile, lame_lambda, shear_modulus)
          system%ghost_stiffness(f) = 2.0_wp*model%control%ghost_ratio*shear_modulus
       end do
    end subroutine find_stabilised_faces
