@@ -56,6 +56,44 @@ module coulter_boundary
       logical :: has_memory = .false.
       !> May the boundary start away from all material?
       logical :: may_start_apart = .false.
+      !> Coefficient of Coulomb friction, for `formulation_nitsche`.
+      real(wp) :: friction = 0.0_wp
+      !> Shear that it carries without pressure, and the largest shear, stress units.
+      real(wp) :: adhesion = 0.0_wp, shear_limit = huge(1.0_wp)
+      !> Does what presses against it stick up to the largest shear, whatever the pressure?
+      logical :: is_rough = .false.
+      !> Bulge of every segment: tangent of a quarter of the angle of an arc, positive when that runs
+      !> counter-clockwise, shape (n_segments); unallocated if all are straight.
+      real(wp), allocatable :: bulges(:)
+      !> Total rotation at a table value of 1, counter-clockwise, radians, and its table.
+      real(wp) :: rotation = 0.0_wp
+      integer :: rotation_table = 0
+      !> Current centre of the rotation, length units; it moves with the displacement.
+      real(wp) :: centre(2) = 0.0_wp
+   contains
+      procedure :: has_friction
+      procedure :: bulge
    end type boundary_type
+
+contains
+
+   !> Does what slides along the boundary rub?
+   elemental function has_friction(self) result(answer)
+      class(boundary_type), intent(in) :: self
+      logical :: answer
+
+      answer = self%friction > 0.0_wp .or. self%adhesion > 0.0_wp .or. self%is_rough
+   end function has_friction
+
+   !> Bulge of a segment, 0 if it is straight.
+   pure function bulge(self, segment)
+      class(boundary_type), intent(in) :: self
+      !> Number of the segment.
+      integer, intent(in) :: segment
+      real(wp) :: bulge
+
+      bulge = 0.0_wp
+      if (allocated(self%bulges)) bulge = self%bulges(segment)
+   end function bulge
 
 end module coulter_boundary

@@ -7,12 +7,14 @@
 module coulter_boundary_contact
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: boundary_type, kind_fixed
+   use coulter_boundary_face, only: face_type, new_face, place_on, place_type
+   use coulter_boundary_motion, only: largest_shift, motion_type, moved_by
    use coulter_boundary_segment, only: lies_on, new_segment, segment_type
    use coulter_points_tiling, only: nearest_outer_edge, tiling_type
    implicit none(type, external)
    private
    public :: contact_type, contacts_type, held_edge_type, find_held_edges, build_contacts
-   public :: carry_held_edges, recall_contacts
+   public :: carry_held_edges, recall_contacts, carry_contacts
 
    !> One end of an outer edge against one face.
    type :: contact_type
@@ -20,30 +22,32 @@ module coulter_boundary_contact
       integer :: boundary = 0, segment = 0
       !> Tile that owns the edge, and which of its vertices the station is.
       integer :: tile = 0, vertex = 0
-      !> Corner of the tiling at that vertex.
-      integer :: corner = 0
-      !> Length of face that the station stands for.
-      real(wp) :: weight = 0.0_wp
-      !> Unit normal into the material, unit tangent.
-      real(wp) :: normal(2) = 0.0_wp, tangent(2) = 0.0_wp
-      !> Gap along the normal if the corner stays where it is and the face moves: negative when they
-      !> overlap, length units.
-      real(wp) :: gap = 0.0_wp
-      !> The same along the tangent, from the place where the corner is held; for fixed kinds.
-      real(wp) :: slide = 0.0_wp
-      !> Distance of the corner from the first end of the moved segment, and length of that.
-      real(wp) :: distance = 0.0_wp, length = 0.0_wp
+      !> Corner of the tiling at that vertex, and corner at the other end of the edge.
+      integer :: corner = 0, other_corner = 0
       !> Number of the outer edge, and which of its ends the station is: its identity from step to
       !> step.
       integer :: edge = 0, end_of_edge = 0
+      !> Length of face that the station stands for.
+      real(wp) :: weight = 0.0_wp
+      !> The face at the end of the step.
+      type(face_type) :: face
+      !> Corners of the edge at the start of the step, from the first end of the face, length units.
+      real(wp) :: offset(2) = 0.0_wp, other_offset(2) = 0.0_wp
+      !> Unit vector that the stress of the tile acts on: against the edge's outward normal, or the
+      !> normal of the face where that is the same.
+      real(wp) :: inward(2) = 0.0_wp
+      !> Way from the place where the corner sticks to the face to the corner, if that stays where
+      !> it is and the face moves, and the same after the step, length units.
+      real(wp) :: lag(2) = 0.0_wp, new_lag(2) = 0.0_wp
       !> Traction (normal, tangential) that earlier rounds and steps left, for augmented
       !> formulations, and that of the current iteration, stress units.
       real(wp) :: memory(2) = 0.0_wp, traction(2) = 0.0_wp
-      !> Corner at the other end of the edge, and its distance from the first end of the segment.
-      integer :: other_corner = 0
-      real(wp) :: other_distance = 0.0_wp
-      !> Is the corner held in both directions and also against being pulled off?
-      logical :: is_bilateral = .false., is_fixed = .false.
+      !> Is the corner held in both directions and also against being pulled off, and does it rub?
+      logical :: is_bilateral = .false., is_fixed = .false., rubs = .false.
+      !> Does the face act on it, and did it in the last step?
+      logical :: is_acting = .false., was_acting = .false.
+      !> Sign of its shear while it slips, 0 while it sticks; and in the last step.
+      integer :: slip = 0, last_slip = 0
    end type contact_type
 
    !> All stations of a step, ordered by tile.
@@ -148,42 +152,45 @@ contains
       type(contacts_type), intent(out) :: contacts
       !> Boundaries at the start of the step.
       type(boundary_type), intent(in) :: boundaries(:)
-      !> How far every boundary moves in the step, length units, shape (2, n_boundaries).
-      real(wp), intent(in) :: motion(:, :)
+      !> How every boundary moves in the step, shape (n_boundaries).
+      type(motion_type), intent(in) :: motion(:)
       !> Tiles at the start of the step.
       type(tiling_type), intent(in) :: tiling
       !> What holds every outer edge, shape (n_edges).
       type(held_edge_type), intent(in) :: held(:)
       !> Grid spacing.
       real(wp), intent(in) :: spacing
-      type(segment_type) :: segment
-      real(wp) :: largest_reach
+      real(wp) :: shift(size(boundaries)), largest_reach
       integer :: e, b, s
 
       allocate (contacts%item(64))
-      largest_reach = reach*spacing
-      if (size(motion) > 0) largest_reach = largest_reach + 2.0_wp*maxval(abs(motion))
+      do b = 1, size(boundaries)
+         shift(b) = largest_shift(motion(b), boundaries(b)%vertices)
+      end do
+      largest_reach = reach*spacing + 2.0_wp*maxval([0.0_wp, shift])
       do e = 1, size(held)
          do b = 1, size(boundaries)
             if (boundaries(b)%is_bilateral .neqv. held(e)%boundary == b) cycle
             if (held(e)%boundary /= 0 .and. held(e)%boundary /= b) cycle
             do s = 1, size(boundaries(b)%vertices, 2) - 1
                if (held(e)%boundary == b .and. held(e)%segment /= s) cycle
-               call new_segment(segment, boundaries(b)%vertices(:, s) + motion(:, b), &
-                                boundaries(b)%vertices(:, s + 1) + motion(:, b))
-               call meet(contacts, boundaries(b), b, s, segment, tiling, e, held(e), &
-                         largest_reach, deepest*spacing + norm2(motion(:, b)))
+               call meet(contacts, boundaries(b), b, s, motion(b), tiling, e, held(e), &
+                         largest_reach, deepest*spacing + shift(b))
             end do
          end do
       end do
    end subroutine build_contacts
 
-   !> Give stations the tractions that the last step left at the same place.
-   pure subroutine recall_contacts(contacts, last)
+   !> Give stations what the last step left at the same place.
+   pure subroutine recall_contacts(contacts, last, motion, tiling)
       !> Stations to equip, ordered by edge.
       type(contacts_type), intent(inout) :: contacts
       !> Stations of the last accepted step, ordered by edge.
       type(contacts_type), intent(in) :: last
+      !> How every boundary moves in the step, shape (n_boundaries).
+      type(motion_type), intent(in) :: motion(:)
+      !> Tiles at the start of the step.
+      type(tiling_type), intent(in) :: tiling
       integer :: i, j, first
 
       first = 1
@@ -197,59 +204,152 @@ contains
                if (last%item(j)%edge > new%edge) exit
                if (last%item(j)%end_of_edge /= new%end_of_edge) cycle
                if (last%item(j)%boundary /= new%boundary) cycle
-               if (last%item(j)%segment == new%segment) new%memory = last%item(j)%traction
+               if (last%item(j)%segment /= new%segment) cycle
+               new%memory = last%item(j)%traction
+               new%was_acting = last%item(j)%is_acting
+               new%last_slip = last%item(j)%slip
+               if (new%rubs) new%lag = lag_after(motion(new%boundary), &
+                                       tiling%position(:, new%corner), last%item(j)%new_lag)
             end do
          end associate
       end do
    end subroutine recall_contacts
 
+   !> Give the outer edges of new tiles the contacts that the old ones had there: what acted and
+   !> what slipped, to predict the next step.
+   pure subroutine carry_contacts(last, tiling, old_tiling)
+      !> Contacts of the last step, ordered by edge; get edges and corners of the new tiles.
+      type(contacts_type), intent(inout) :: last
+      !> New tiles.
+      type(tiling_type), intent(in) :: tiling
+      !> Old tiles.
+      type(tiling_type), intent(in) :: old_tiling
+      type(contacts_type) :: new
+      type(contact_type) :: contact
+      real(wp) :: share
+      integer :: e, k, old, j
+
+      allocate (new%item(64))
+      do e = 1, size(tiling%outer_edge, 2)
+         call nearest_outer_edge(old_tiling, 0.5_wp*sum(tiling%position(:, tiling%outer_edge( &
+                                                                        :2, e)), dim=2), old, share)
+         do j = 1, last%n
+            if (last%item(j)%edge /= old .or. last%item(j)%end_of_edge /= 1) cycle
+            contact = last%item(j)
+            contact%edge = e
+            ! remembered tractions belong to edges that are gone
+            contact%traction = 0.0_wp
+            do k = 1, 2
+               contact%end_of_edge = k
+               call append(new, contact)
+            end do
+         end do
+      end do
+      last = new
+   end subroutine carry_contacts
+
+   !> Way to a corner from the place where it sticks to a boundary, once that has moved.
+   pure function lag_after(motion, corner, lag) result(way)
+      type(motion_type), intent(in) :: motion
+      real(wp), intent(in) :: corner(2), lag(2)
+      real(wp) :: way(2)
+
+      way = corner - moved_by(motion, corner - lag)
+      ! without rotation no digits may be lost
+      if (.not. abs(motion%rotation) > 0.0_wp) way = lag - motion%translation
+   end function lag_after
+
    !> Stations at both ends of an edge against one face.
-   pure subroutine meet(contacts, boundary, b, s, segment, tiling, e, held, reach, deepest)
+   pure subroutine meet(contacts, boundary, b, s, motion, tiling, e, held, reach, deepest)
       type(contacts_type), intent(inout) :: contacts
       type(boundary_type), intent(in) :: boundary
       integer, intent(in) :: b, s, e
-      type(segment_type), intent(in) :: segment
+      type(motion_type), intent(in) :: motion
       type(tiling_type), intent(in) :: tiling
       type(held_edge_type), intent(in) :: held
       real(wp), intent(in) :: reach, deepest
       type(contact_type) :: contact
-      real(wp) :: ends(2, 2), along(2), gap(2), distance(2), facing
+      real(wp) :: weight(2)
       integer :: k
 
-      ends = tiling%position(:, tiling%outer_edge(:2, e)) - spread(segment%first, 2, 2)
-      along = ends(:, 2) - ends(:, 1)
-      gap = matmul(segment%normal, ends)
-      distance = matmul(segment%tangent, ends)
-      if (boundary%is_bilateral) then
-         facing = norm2(along)
-      else
-         facing = segment%normal(2)*along(1) - segment%normal(1)*along(2)
-         if (facing <= 1.0e-9_wp*norm2(along)) return
-         if (minval(gap) > reach .or. maxval(gap) < -deepest) return
-         if (maxval(distance) < -reach .or. minval(distance) > segment%length + reach) return
-      end if
+      associate (first => boundary%vertices(:, s), last => boundary%vertices(:, s + 1))
+         call new_face(contact%face, moved_by(motion, first), moved_by(motion, last), &
+                       boundary%bulge(s))
+         call weigh(boundary, s, contact%face, tiling%position(:, tiling%outer_edge(:2, e)), &
+                    reach, deepest, weight)
+      end associate
+      if (.not. any(weight > 0.0_wp)) return
       contact%boundary = b
       contact%segment = s
+      contact%edge = e
       contact%tile = tiling%outer_edge(3, e)
-      contact%weight = 0.5_wp*facing
-      contact%normal = segment%normal
-      contact%tangent = segment%tangent
-      contact%length = segment%length
       contact%is_bilateral = boundary%is_bilateral
       contact%is_fixed = boundary%kind == kind_fixed
+      contact%rubs = boundary%has_friction() .and. .not. contact%is_fixed
       do k = 1, 2
-         contact%corner = tiling%outer_edge(k, e)
-         contact%vertex = findloc(tiling%corner(:, contact%tile), contact%corner, dim=1)
-         contact%gap = gap(k)
-         contact%distance = distance(k)
-         contact%slide = distance(k) - held%distance(k)
-         contact%edge = e
-         contact%end_of_edge = k
-         contact%other_corner = tiling%outer_edge(3 - k, e)
-         contact%other_distance = distance(3 - k)
+         contact%weight = weight(k)
+         if (.not. weight(k) > 0.0_wp) cycle
+         call settle_end(contact, k, tiling, motion, held)
          call append(contacts, contact)
       end do
    end subroutine meet
+
+   !> What belongs to one end of the edge.
+   pure subroutine settle_end(contact, k, tiling, motion, held)
+      type(contact_type), intent(inout) :: contact
+      integer, intent(in) :: k
+      type(tiling_type), intent(in) :: tiling
+      type(motion_type), intent(in) :: motion
+      type(held_edge_type), intent(in) :: held
+      real(wp) :: along(2)
+
+      contact%end_of_edge = k
+      contact%corner = tiling%outer_edge(k, contact%edge)
+      contact%other_corner = tiling%outer_edge(3 - k, contact%edge)
+      contact%vertex = findloc(tiling%corner(:, contact%tile), contact%corner, dim=1)
+      contact%offset = tiling%position(:, contact%corner) - contact%face%first
+      contact%other_offset = tiling%position(:, contact%other_corner) - contact%face%first
+      contact%inward = contact%face%normal
+      contact%lag = 0.0_wp
+      if (contact%is_fixed) then
+         contact%lag = (dot_product(contact%face%tangent, contact%offset) - held%distance(k)) &
+            *contact%face%tangent
+      else if (contact%rubs) then
+         contact%lag = lag_after(motion, tiling%position(:, contact%corner), contact%lag)
+      end if
+      if (.not. (contact%rubs .or. abs(contact%face%radius) > 0.0_wp &
+                 .or. abs(motion%rotation) > 0.0_wp)) return
+      along = real(3 - 2*k, wp)*(contact%other_offset - contact%offset)
+      contact%inward = [-along(2), along(1)]/norm2(along)
+   end subroutine settle_end
+
+   !> Length of a face that both ends of an edge stand for: the half of the edge that faces it, 0
+   !> if they cannot meet within the step.
+   pure subroutine weigh(boundary, s, moved, ends, reach, deepest, weight)
+      type(boundary_type), intent(in) :: boundary
+      integer, intent(in) :: s
+      type(face_type), intent(in) :: moved
+      real(wp), intent(in) :: ends(2, 2), reach, deepest
+      real(wp), intent(out) :: weight(2)
+      type(face_type) :: face
+      type(place_type) :: place(2)
+      real(wp) :: along(2)
+      integer :: k
+
+      along = ends(:, 2) - ends(:, 1)
+      weight = 0.5_wp*norm2(along)
+      if (boundary%is_bilateral) return
+      call new_face(face, boundary%vertices(:, s), boundary%vertices(:, s + 1), boundary%bulge(s))
+      do k = 1, 2
+         place(k) = place_on(face, ends(:, k) - face%first, [0.0_wp, 0.0_wp])
+         weight(k) = 0.5_wp*(place(k)%normal(2)*along(1) - place(k)%normal(1)*along(2))
+         if (weight(k) <= 0.5e-9_wp*norm2(along)) weight(k) = 0.0_wp
+         place(k) = place_on(moved, ends(:, k) - moved%first, [0.0_wp, 0.0_wp])
+      end do
+      if (minval(place%gap) > reach .or. maxval(place%gap) < -deepest &
+          .or. maxval(place%distance) < -reach &
+          .or. minval(place%distance) > moved%length + reach) weight = 0.0_wp
+   end subroutine weigh
 
    !> Add a station at the end of the list.
    pure subroutine append(contacts, contact)

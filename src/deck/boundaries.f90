@@ -18,6 +18,9 @@ module coulter_deck_boundaries
    !> Widest band over the spacing at which the coupling term K2 is safe: at 0.1 Newton converges,
    !> to stresses that are wrong by a third (theory, section 3).
    real(wp), parameter :: widest_coupled_band = 1.0e-2_wp
+   !> Variables of shear on boundaries.
+   character(len=*), parameter :: friction_variables(*) = [character(len=11) :: &
+      "friction", "adhesion", "shear_limit", "rough"]
 
 contains
 
@@ -165,15 +168,40 @@ contains
       if (boundary%kind == kind_fixed .and. .not. boundary%is_bilateral) then
          call blame(deck, group, "bilateral", "must be .true. unless kind = 'roller'")
       end if
+      call read_friction(deck, group, boundary)
       call refuse(deck, group, "gauss_points", "belongs to domains = 'mpm'")
       call refuse(deck, group, "memory", "belongs to domains = 'mpm'; tiles need none")
    end subroutine read_contact
+
+   !> Shear on rollers.
+   subroutine read_friction(deck, group, boundary)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      type(boundary_type), intent(inout) :: boundary
+      integer :: i
+
+      if (boundary%kind /= kind_roller .or. boundary%formulation /= formulation_nitsche) then
+         do i = 1, size(friction_variables)
+            call refuse(deck, group, trim(friction_variables(i)), &
+                        "belongs to kind = 'roller' with formulation = 'nitsche'")
+         end do
+         return
+      end if
+      call get_value(deck, group, "friction", boundary%friction)
+      call get_value(deck, group, "adhesion", boundary%adhesion)
+      call get_value(deck, group, "shear_limit", boundary%shear_limit)
+      call get_value(deck, group, "rough", boundary%is_rough)
+      if (boundary%has_friction() .or. .not. is_given(deck, group, "shear_limit")) return
+      call blame(deck, group, "shear_limit", "limits no shear: give `friction`, `adhesion` or" &
+                 //" `rough`")
+   end subroutine read_friction
 
    !> Settings of boundaries that act on segments.
    subroutine read_implicit(deck, group, boundary)
       type(deck_type), intent(inout) :: deck
       integer, intent(in) :: group
       type(boundary_type), intent(inout) :: boundary
+      integer :: i
 
       boundary%formulation = formulation_implicit
       call get_value(deck, group, "band_ratio", boundary%band_ratio)
@@ -184,6 +212,9 @@ contains
       call get_value(deck, group, "gauss_points", boundary%n_gauss)
       call get_value(deck, group, "memory", boundary%has_memory)
       call refuse(deck, group, "bilateral", "belongs to domains = 'cpdi2'")
+      do i = 1, size(friction_variables)
+         call refuse(deck, group, trim(friction_variables(i)), "belongs to domains = 'cpdi2'")
+      end do
    end subroutine read_implicit
 
    !> Corners of a boundary with the material on their left.

@@ -141,6 +141,14 @@ module coulter_deck_schema
          //"mpm: `implicit`, the paper's K2 + K2^T + K3, or `penalty`, K3"), &
       variable_rule_type("boundary", "bilateral", "logical", 1, 1, "", ".false.", "", &
          "cpdi2: is material that starts on the boundary held against pulling off?"), &
+      variable_rule_type("boundary", "friction", "real", 1, 1, "", "0.0", ">= 0", &
+         "cpdi2, roller: coefficient of Coulomb friction"), &
+      variable_rule_type("boundary", "adhesion", "real", 1, 1, "stress", "0.0", ">= 0", &
+         "cpdi2, roller: shear that it carries without pressure while in contact"), &
+      variable_rule_type("boundary", "shear_limit", "real", 1, 1, "stress", "(none)", "> 0", &
+         "cpdi2, roller: largest shear, such as a share of the undrained strength"), &
+      variable_rule_type("boundary", "rough", "logical", 1, 1, "", ".false.", "", &
+         "cpdi2, roller: does what presses on it stick, up to `shear_limit`?"), &
       variable_rule_type("boundary", "band_ratio", "real", 1, 1, "", "(by formulation)", &
          "> 0 <= 1", "penalty band over the spacing: 0.1 nitsche, 0.02 augmented, " &
          //"5.0e-6 implicit (at most 0.01), penalty"), &

@@ -5,6 +5,7 @@ module coulter_model
    use coulter_base_table, only: table_type
    use coulter_boundary, only: boundary_type
    use coulter_boundary_edge_load, only: edge_load_type
+   use coulter_boundary_motion, only: motion_type
    use coulter_grid, only: grid_type
    use coulter_law, only: law_item_type
    use coulter_model_control, only: control_type, schedule_type
@@ -99,7 +100,7 @@ contains
       end if
    end function load_factor
 
-   !> How far a boundary moves between two times, length units.
+   !> How a boundary moves between two times.
    pure function boundary_motion(model, boundary, start_time, end_time) result(motion)
       !> Scene with tables and schedule.
       type(model_type), intent(in) :: model
@@ -107,12 +108,25 @@ contains
       integer, intent(in) :: boundary
       !> Times.
       real(wp), intent(in) :: start_time, end_time
-      real(wp) :: motion(2)
+      type(motion_type) :: motion
 
-      associate (table => model%boundaries(boundary)%table)
-         motion = model%boundaries(boundary)%displacement &
-            *(load_factor(model, table, end_time) - load_factor(model, table, start_time))
+      associate (item => model%boundaries(boundary))
+         motion%translation = item%displacement*advance(item%table)
+         motion%centre = item%centre
+         if (abs(item%rotation) > 0.0_wp) &
+            motion%rotation = item%rotation*advance(item%rotation_table)
       end associate
+
+   contains
+
+      !> How far a table gets from the first time to the last.
+      pure function advance(table)
+         integer, intent(in) :: table
+         real(wp) :: advance
+
+         advance = load_factor(model, table, end_time) - load_factor(model, table, start_time)
+      end function advance
+
    end function boundary_motion
 
    !> Elastic moduli of a point at the start of the step, which scale penalties.

@@ -4,6 +4,7 @@ module coulter_step_accept
    use coulter_base_kinds, only: wp
    use coulter_base_tensor, only: finger_of_log_strain_plane, log_strain_plane
    use coulter_base_text, only: to_text
+   use coulter_boundary_motion, only: motion_type, moved_by
    use coulter_grid_shape, only: shape_gradients_2d, shape_values_2d
    use coulter_law, only: law_response_type, n_plane
    use coulter_model, only: boundary_motion, model_type
@@ -168,17 +169,21 @@ contains
       end associate
    end subroutine measure_volumes
 
-   !> Boundaries move with their prescribed displacement.
+   !> Boundaries move as prescribed.
    pure subroutine move_boundaries(model, system)
       type(model_type), intent(inout) :: model
       type(system_type), intent(in) :: system
-      real(wp) :: increment(2)
-      integer :: b
+      type(motion_type) :: motion
+      integer :: b, i
 
       do b = 1, size(model%boundaries)
-         increment = boundary_motion(model, b, system%start_time, system%end_time)
-         model%boundaries(b)%vertices = model%boundaries(b)%vertices &
-            + spread(increment, 2, size(model%boundaries(b)%vertices, 2))
+         motion = boundary_motion(model, b, system%start_time, system%end_time)
+         associate (boundary => model%boundaries(b))
+            do i = 1, size(boundary%vertices, 2)
+               boundary%vertices(:, i) = moved_by(motion, boundary%vertices(:, i))
+            end do
+            boundary%centre = boundary%centre + motion%translation
+         end associate
       end do
    end subroutine move_boundaries
 

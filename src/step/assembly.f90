@@ -4,6 +4,7 @@ module coulter_step_assembly
    use coulter_algebra_sparse, only: add_element_matrix
    use coulter_base_kinds, only: wp
    use coulter_boundary_ibm, only: station_kernel_2d
+   use coulter_boundary_motion, only: motion_type
    use coulter_grid_shape, only: shape_gradients_2d
    use coulter_model, only: boundary_motion, load_factor, model_type
    use coulter_step_edge_loads, only: add_pressures, add_tractions
@@ -116,10 +117,12 @@ contains
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
       real(wp) :: force(2, 4), tangent(2, 4, 2, 4), prescribed(2, size(model%boundaries))
+      type(motion_type) :: motion
       integer :: b, k
 
       do b = 1, size(model%boundaries)
-         prescribed(:, b) = boundary_motion(model, b, system%start_time, system%end_time)
+         motion = boundary_motion(model, b, system%start_time, system%end_time)
+         prescribed(:, b) = motion%translation
       end do
       do k = 1, system%stations%n
          associate (station => system%stations%item(k))

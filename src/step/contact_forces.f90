@@ -1,14 +1,16 @@
 !> Forces and tangent of the contacts on the outer edges of tiled bodies.
 !>
 !> A station pushes its corner along the face's normal by t = s + k g: the penalty k on the gap g at
-!> the end of the step, and either the nominal traction s = n . P n of the material itself (Nitsche;
-!> exact, unsymmetric) or what earlier rounds of the augmented Lagrangian method left (symmetric);
-!> theory, section 4.
+!> the end of the step, and either the nominal traction s of the material itself (Nitsche; exact,
+!> unsymmetric) or what earlier rounds of the augmented Lagrangian method left (symmetric). Friction
+!> acts along the face. Theory, section 4.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_contact_forces
    use coulter_base_kinds, only: wp
-   use coulter_boundary, only: formulation_augmented, formulation_nitsche
+   use coulter_boundary, only: boundary_type, formulation_augmented, formulation_nitsche
    use coulter_boundary_contact, only: contact_type
+   use coulter_boundary_face, only: place_on, place_type
+   use coulter_boundary_friction, only: friction_of, friction_type, press, rub, rub_type
    use coulter_boundary_ibm, only: band_stiffness_factor
    use coulter_model, only: model_type, point_moduli
    use coulter_step_point_kernel, only: point_response_type
@@ -37,9 +39,9 @@ contains
       !> Forces on the corners, shape (2, n_corners).
       real(wp), intent(inout) :: at_corners(:, :)
       type(point_response_type) :: response
-      real(wp) :: force(2, 4), stiffness(2, 4, 2, 4), reaction(2)
+      real(wp) :: force(2, 4), stiffness(2, 4, 2, 4), before(2)
       integer :: k, tile
-      logical :: has_failed, is_acting
+      logical :: has_failed
 
       tile = 0
       do k = 1, system%contacts%n
@@ -50,12 +52,12 @@ contains
                stiffness = 0.0_wp
                call respond_tile(system, model, tile, response, has_failed)
             end if
-            call add_contact(system, model, contact, response, force, stiffness, reaction, &
-                             is_acting)
+            before = force(:, contact%vertex)
+            call add_contact(system, model, contact, response, force, stiffness)
             associate (total => system%boundary_reaction(:, contact%boundary), &
                        length => system%loaded_length(contact%boundary))
-               total = total + reaction
-               if (is_acting) length = length + contact%weight
+               total = total + before - force(:, contact%vertex)
+               if (contact%is_acting) length = length + contact%weight
             end associate
          end associate
          if (k < system%contacts%n) then
@@ -66,74 +68,104 @@ contains
       end do
    end subroutine add_contacts
 
-   !> One station, if it acts: the traction along the normal, and for fixed kinds along the tangent.
-   subroutine add_contact(system, model, contact, response, force, stiffness, reaction, is_acting)
+   !> One station, if it acts: what presses against the face and, unless that is smooth, rubs along.
+   subroutine add_contact(system, model, contact, response, force, stiffness)
       type(system_type), intent(in) :: system
       type(model_type), intent(in) :: model
       type(contact_type), intent(inout) :: contact
       type(point_response_type), intent(in) :: response
       real(wp), intent(inout) :: force(2, 4), stiffness(2, 4, 2, 4)
-      real(wp), intent(out) :: reaction(2)
-      logical, intent(out) :: is_acting
-      real(wp) :: penalty(2), slide, by_vertices(2, 4)
+      type(place_type) :: place
+      type(rub_type) :: answer
+      real(wp) :: penalty(2), material(2), by_vertices(2, 2, 4), moved(2)
 
-      reaction = 0.0_wp
-      contact%traction = 0.0_wp
+      moved = system%map%increment(:, contact%corner)
+      place = place_on(contact%face, contact%offset, moved)
       penalty = penalties(model, contact)
-      associate (moved => system%map%increment(:, contact%corner))
-         slide = dot_product(contact%tangent, moved)
-         call find_traction(contact%normal, contact%gap + dot_product(contact%normal, moved), 1)
+      call find_material_traction(system, model, contact, response, material, by_vertices)
+      call press(answer, place, material, penalty(1))
+      contact%slip = 0
+      contact%is_acting = system%is_predicting .and. contact%was_acting
+      if (.not. contact%is_acting) contact%is_acting = acts( &
+          system, contact, place, answer%traction(1)/penalty(1), model%grid%smallest_spacing())
+      contact%traction = 0.0_wp
+      if (.not. contact%is_acting) return
+      if (contact%is_fixed) then
+         call rub(answer, place, material, penalty, contact%lag + moved, friction_type(), 0)
+      else if (contact%rubs .and. .not. system%is_smooth) then
+         call rub_along(system, model%boundaries(contact%boundary), contact, place, material, &
+                        penalty, contact%lag + moved, answer)
+      end if
+      contact%traction = answer%traction
+      call add_answer(contact, answer, by_vertices, force, stiffness)
+   end subroutine add_contact
+
+   !> Friction, and where the station will stick from now on.
+   subroutine rub_along(system, boundary, contact, place, material, penalty, lag, answer)
+      type(system_type), intent(in) :: system
+      type(boundary_type), intent(in) :: boundary
+      type(contact_type), intent(inout) :: contact
+      type(place_type), intent(in) :: place
+      real(wp), intent(in) :: material(2), penalty(2), lag(2)
+      type(rub_type), intent(inout) :: answer
+
+      if (system%is_predicting .and. contact%was_acting) then
+         call rub(answer, place, material, penalty, lag, friction_of(boundary), contact%last_slip)
+      else
+         call rub(answer, place, material, penalty, lag, friction_of(boundary))
+      end if
+      contact%slip = answer%slip
+      contact%new_lag = (answer%traction(2) - dot_product(place%tangent, material))/penalty(2) &
+         *place%tangent
+   end subroutine rub_along
+
+   !> Add force and tangent of a station to those of its tile.
+   pure subroutine add_answer(contact, answer, by_vertices, force, stiffness)
+      type(contact_type), intent(in) :: contact
+      type(rub_type), intent(in) :: answer
+      real(wp), intent(in) :: by_vertices(2, 2, 4)
+      real(wp), intent(inout) :: force(2, 4), stiffness(2, 4, 2, 4)
+      integer :: b
+
+      associate (v => contact%vertex, w => contact%weight)
+         force(:, v) = force(:, v) + w*answer%vector
+         stiffness(:, v, :, v) = stiffness(:, v, :, v) + w*answer%by_place
+         do b = 1, 4
+            stiffness(:, v, :, b) = stiffness(:, v, :, b) &
+               + w*matmul(answer%by_stress, by_vertices(:, :, b))
+         end do
       end associate
-      is_acting = acts(contact, contact%traction(1)/penalty(1), slide, dot_product( &
-                       contact%tangent, system%map%increment(:, contact%other_corner)), &
-                       model%grid%smallest_spacing())
-      if (.not. is_acting) then
-         contact%traction = 0.0_wp
+   end subroutine add_answer
+
+   !> Traction of the material on the face and its derivative by the vertices of the tile: nominal
+   !> with Nitsche, P times the inward vector with P = tau dF^-T V0/A; else what earlier rounds
+   !> left.
+   pure subroutine find_material_traction(system, model, contact, response, material, by_vertices)
+      type(system_type), intent(in) :: system
+      type(model_type), intent(in) :: model
+      type(contact_type), intent(in) :: contact
+      type(point_response_type), intent(in) :: response
+      real(wp), intent(out) :: material(2), by_vertices(2, 2, 4)
+      real(wp) :: pulled(2), slope(2, 2)
+      integer :: i, k, l
+
+      if (model%boundaries(contact%boundary)%formulation /= formulation_nitsche) then
+         material = contact%memory(1)*contact%face%normal + contact%memory(2)*contact%face%tangent
+         by_vertices = 0.0_wp
          return
       end if
-      call push(contact%normal, 1)
-      if (.not. contact%is_fixed) return
-      call find_traction(contact%tangent, contact%slide + slide, 2)
-      call push(contact%tangent, 2)
-
-   contains
-
-      !> Traction component i along a direction and its derivative by the vertices: with Nitsche
-      !> that of the material plus penalty, else what earlier rounds left plus penalty.
-      subroutine find_traction(direction, gap, i)
-         real(wp), intent(in) :: direction(2), gap
-         integer, intent(in) :: i
-
-         if (model%boundaries(contact%boundary)%formulation == formulation_nitsche) then
-            call nominal_traction(response, model%points%reference_volume(contact%tile) &
-                                  /system%map%area(contact%tile), direction, contact%normal, &
-                                  contact%traction(i), by_vertices)
-         else
-            contact%traction(i) = contact%memory(i)
-            by_vertices = 0.0_wp
-         end if
-         contact%traction(i) = contact%traction(i) + penalty(i)*gap
-         by_vertices(:, contact%vertex) = by_vertices(:, contact%vertex) + penalty(i)*direction
-      end subroutine find_traction
-
-      !> Add the traction along a direction to force and stiffness.
-      subroutine push(direction, i)
-         real(wp), intent(in) :: direction(2)
-         integer, intent(in) :: i
-         integer :: k, b
-
-         force(:, contact%vertex) = force(:, contact%vertex) &
-            + contact%weight*contact%traction(i)*direction
-         reaction = reaction - contact%weight*contact%traction(i)*direction
-         do b = 1, 4
+      pulled = model%points%reference_volume(contact%tile)/system%map%area(contact%tile) &
+         *matmul(contact%inward, response%inverse)
+      material = matmul(reshape(response%stress([1, 4, 4, 2]), [2, 2]), pulled)
+      do i = 1, 2
+         do l = 1, 2
             do k = 1, 2
-               stiffness(:, contact%vertex, k, b) = stiffness(:, contact%vertex, k, b) &
-                  + contact%weight*by_vertices(k, b)*direction
+               slope(k, l) = dot_product(response%moduli(i, :, k, l), pulled)
             end do
          end do
-      end subroutine push
-
-   end subroutine add_contact
+         by_vertices(i, :, :) = matmul(slope, response%gradient)
+      end do
+   end subroutine find_material_traction
 
    !> Penalty stiffness along normal and tangent, stress per length: that of the paper's band.
    pure function penalties(model, contact) result(penalty)
@@ -171,44 +203,30 @@ contains
    !> Does the face act on the corner: held for good, or pressed while it slides along the face?
    !> Where a face ends, it acts on edges whose middle it reaches: those beyond belong to the next
    !> face, and the corner between them must not be pushed twice.
-   pure function acts(contact, overlap, slide, other_slide, spacing) result(answer)
+   pure function acts(system, contact, place, overlap, spacing) result(answer)
+      type(system_type), intent(in) :: system
       type(contact_type), intent(in) :: contact
-      !> Traction over the penalty, and how far both ends of the edge move along the face, length
-      !> units.
-      real(wp), intent(in) :: overlap, slide, other_slide
-      !> Grid spacing.
-      real(wp), intent(in) :: spacing
+      !> Place of the corner.
+      type(place_type), intent(in) :: place
+      !> Traction over the penalty, and grid spacing, length units.
+      real(wp), intent(in) :: overlap, spacing
       logical :: answer
-      real(wp) :: distance, middle, slack
+      type(place_type) :: other
+      real(wp) :: middle, slack
 
       answer = contact%is_bilateral
       if (answer .or. .not. overlap < touching*spacing) return
       slack = end_slack*spacing
-      distance = contact%distance + slide
-      middle = 0.5_wp*(distance + contact%other_distance + other_slide)
-      answer = distance >= -slack .and. distance <= contact%length + slack
-      if (distance < slack) answer = answer .and. middle > 0.0_wp
-      if (distance > contact%length - slack) answer = answer .and. middle < contact%length
+      associate (distance => place%distance, length => contact%face%length)
+         answer = distance >= -slack .and. distance <= length + slack
+         if (.not. answer) return
+         if (distance >= slack .and. distance <= length - slack) return
+         other = place_on(contact%face, contact%other_offset, &
+                          system%map%increment(:, contact%other_corner))
+         middle = 0.5_wp*(distance + other%distance)
+         if (distance < slack) answer = middle > 0.0_wp
+         if (distance > length - slack) answer = answer .and. middle < length
+      end associate
    end function acts
-
-   !> Component of the nominal traction P N, P = tau dF^-T V0/A, and its derivative by the vertices
-   !> of the tile.
-   pure subroutine nominal_traction(response, share, direction, normal, traction, by_vertices)
-      type(point_response_type), intent(in) :: response
-      real(wp), intent(in) :: share, direction(2), normal(2)
-      real(wp), intent(out) :: traction, by_vertices(2, 4)
-      real(wp) :: pulled(2), stress(2, 2), slope(2, 2)
-      integer :: k, l
-
-      pulled = share*matmul(normal, response%inverse)
-      stress = reshape(response%stress([1, 4, 4, 2]), [2, 2])
-      traction = dot_product(direction, matmul(stress, pulled))
-      do l = 1, 2
-         do k = 1, 2
-            slope(k, l) = dot_product(direction, matmul(response%moduli(:, :, k, l), pulled))
-         end do
-      end do
-      by_vertices = matmul(slope, response%gradient)
-   end subroutine nominal_traction
 
 end module coulter_step_contact_forces

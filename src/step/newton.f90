@@ -24,6 +24,8 @@ module coulter_step_newton
       logical :: is_nearly_singular = .false.
       !> Did round-off end the iteration, with a residual above the tolerance?
       logical :: is_limited_by_round_off = .false.
+      !> Have the contacts of the last step predicted those of the first iteration?
+      logical :: has_predicted = .false.
       !> Why there is no equilibrium; unallocated when there is.
       character(len=:), allocatable :: failure
       !> Displacement increments, their last correction, and the unbalanced force, shape (n_dofs).
@@ -44,6 +46,8 @@ module coulter_step_newton
    !> Evaluations that a line search may take, and the fall of |G| that is enough.
    integer, parameter :: most_searches = 6
    real(wp), parameter :: good_share = 0.8_wp
+   !> Residual of smooth contacts below which they begin to rub.
+   real(wp), parameter :: near = 0.1_wp
 
 contains
 
@@ -63,11 +67,15 @@ contains
          allocate (newton%unknowns(n), newton%correction(n), source=0.0_wp)
          allocate (newton%unbalanced(n), newton%residuals(0))
       end associate
-      call evaluate(newton, system, model, newton%unknowns)
+      call begin(newton, system, model)
       round = 0
       do while (.not. allocated(newton%failure))
          call measure(newton, system)
          call judge(newton, model, is_done)
+         if (system%is_smooth .and. (is_done .or. is_near(newton))) then
+            call end_smoothness(newton, system, model)
+            cycle
+         end if
          if (is_done) then
             if (round == model%control%n_augmentations .or. allocated(newton%failure)) exit
             call augment_contacts(system, model, has_changed=is_done)
@@ -78,11 +86,54 @@ contains
             cycle
          end if
          call find_correction(newton, system, model)
-         if (allocated(newton%failure)) exit
-         call advance(newton, system, model)
+         if (.not. allocated(newton%failure)) call advance(newton, system, model)
          newton%n_iterations = newton%n_iterations + 1
+         if (allocated(newton%failure) .and. system%is_smooth) &
+            call end_smoothness(newton, system, model)
       end do
    end subroutine solve_newton
+
+   !> First forces and tangent. With friction, contacts of the last step predict those of this one;
+   !> where there are none, Newton comes near with smooth contacts first, since the signs of shear
+   !> are unknown (theory, section 4).
+   subroutine begin(newton, system, model)
+      type(newton_type), intent(inout) :: newton
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+
+      if (system%has_friction) newton%has_predicted = &
+         any(system%contacts%item(:system%contacts%n)%was_acting)
+      system%is_smooth = system%has_friction .and. .not. newton%has_predicted
+      system%is_predicting = newton%has_predicted
+      call evaluate(newton, system, model, newton%unknowns)
+      system%is_predicting = .false.
+   end subroutine begin
+
+   !> Is equilibrium near?
+   pure function is_near(newton) result(answer)
+      type(newton_type), intent(in) :: newton
+      logical :: answer
+
+      answer = newton%n_iterations > 0 .and. newton%residuals(size(newton%residuals)) < near
+   end function is_near
+
+   !> Let contacts rub from now on; where smooth ones found no equilibrium, from the start.
+   subroutine end_smoothness(newton, system, model)
+      type(newton_type), intent(inout) :: newton
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+
+      system%is_smooth = .false.
+      newton%residuals = newton%residuals(:newton%n_iterations)
+      if (allocated(newton%failure)) then
+         deallocate (newton%failure)
+         newton%unknowns = 0.0_wp
+         newton%n_iterations = 0
+         deallocate (newton%residuals)
+         allocate (newton%residuals(0))
+      end if
+      call evaluate(newton, system, model, newton%unknowns)
+   end subroutine end_smoothness
 
    !> Forces and tangent at given unknowns.
    subroutine evaluate(newton, system, model, unknowns)
@@ -231,7 +282,9 @@ contains
          if (share < smallest_share) return
          deallocate (newton%failure)
       end do
-      if (system%contacts%n > 0) call search_line(newton, system, model, share)
+      ! a prediction is not compared with what it predicts
+      if (system%contacts%n > 0 .and. .not. (newton%has_predicted .and. newton%n_iterations == 0)) &
+         call search_line(newton, system, model, share)
       if (allocated(newton%failure)) return
       newton%unknowns = newton%unknowns + share*newton%correction
    end subroutine advance

@@ -4,7 +4,7 @@ module coulter_step_retile
    use coulter_base_kinds, only: wp
    use coulter_base_tensor, only: finger_of_log_strain_plane, log_strain_plane
    use coulter_base_text, only: to_text
-   use coulter_boundary_contact, only: carry_held_edges, held_edge_type
+   use coulter_boundary_contact, only: carry_contacts, carry_held_edges, held_edge_type
    use coulter_boundary_edge_load, only: carry_loaded_edges, loaded_edge_type
    use coulter_boundary_segment, only: new_segment, segment_type
    use coulter_law, only: law_response_type, law_visit_type, n_plane
@@ -82,8 +82,7 @@ contains
       call carry_loaded_edges(loaded, tiling, system%loaded_edges, model%tiling)
       call move_alloc(held, system%held_edges)
       call move_alloc(loaded, system%loaded_edges)
-      ! remembered tractions belong to edges that are gone
-      system%last_contacts%n = 0
+      call carry_contacts(system%last_contacts, tiling, model%tiling)
       model%tiling = tiling
       model%points = points
    end subroutine retile_model

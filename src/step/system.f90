@@ -50,6 +50,10 @@ module coulter_step_system
       !> Contacts of the last accepted step, for tractions with memory.
       type(contacts_type) :: last_contacts
       type(held_edge_type), allocatable :: held_edges(:)
+      !> Does any boundary rub? Then a step begins with a prediction: what acted acts on, what stuck
+      !> sticks, what slipped slips on, whatever the tractions; or, when nothing acted yet, with
+      !> smooth contacts (theory, section 4).
+      logical :: has_friction = .false., is_predicting = .false., is_smooth = .false.
       !> Edges that carry loads for good.
       type(loaded_edge_type), allocatable :: loaded_edges(:)
       !> Stabilised cell faces, their stiffness, and what they add to the tangent.

@@ -6,6 +6,7 @@ module coulter_step_tile_setup
    use coulter_boundary, only: formulation_augmented
    use coulter_boundary_contact, only: build_contacts, find_held_edges, recall_contacts
    use coulter_boundary_edge_load, only: find_loaded_edges
+   use coulter_boundary_motion, only: motion_type
    use coulter_model, only: boundary_motion, model_type, point_moduli
    use coulter_model_control, only: small_cells_aggregate
    use coulter_points_tiling, only: corner_weights
@@ -28,7 +29,7 @@ contains
       type(model_type), intent(in) :: model
       !> First tile with a corner outside the grid, else 0.
       integer, intent(out) :: first_outside
-      real(wp) :: motion(2, size(model%boundaries))
+      type(motion_type) :: motion(size(model%boundaries))
       integer :: b
 
       call map_tiles(system%map, system%cells, model%tiling, model%grid, first_outside)
@@ -40,12 +41,13 @@ contains
                                 model%grid%smallest_spacing())
       end if
       do b = 1, size(model%boundaries)
-         motion(:, b) = boundary_motion(model, b, system%start_time, system%end_time)
+         motion(b) = boundary_motion(model, b, system%start_time, system%end_time)
       end do
       call build_contacts(system%contacts, model%boundaries, motion, model%tiling, &
                           system%held_edges, model%grid%smallest_spacing())
-      if (any(model%boundaries%formulation == formulation_augmented)) then
-         call recall_contacts(system%contacts, system%last_contacts)
+      system%has_friction = any(model%boundaries%has_friction())
+      if (system%has_friction .or. any(model%boundaries%formulation == formulation_augmented)) then
+         call recall_contacts(system%contacts, system%last_contacts, motion, model%tiling)
       end if
       call find_stabilised_faces(system, model)
    end subroutine find_tile_participants

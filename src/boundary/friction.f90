@@ -1,0 +1,151 @@
+!> Traction of one station: what presses against a face, and how that rubs along it.
+!>
+!> Normal traction t_n = n . S + k g, tangential one by a stick-slip return mapping from the place
+!> where the station sticks in the frame of the face; S is the traction of the material (Nitsche).
+!> Tension positive: what presses has t_n < 0. Theory, section 4.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_boundary_friction
+   use coulter_base_kinds, only: wp
+   use coulter_boundary, only: boundary_type
+   use coulter_boundary_face, only: place_type
+   implicit none(type, external)
+   private
+   public :: friction_type, rub_type, press, rub, shear_capacity, friction_of
+
+   !> Shear that a face can carry.
+   type :: friction_type
+      !> Coefficient of Coulomb friction.
+      real(wp) :: coefficient = 0.0_wp
+      !> Shear at no pressure and largest shear, stress units.
+      real(wp) :: adhesion = 0.0_wp, limit = 0.0_wp
+      !> Does the face stick at any pressure, up to the limit?
+      logical :: is_rough = .false.
+   end type friction_type
+
+   !> What a station answers to its place and to the traction of the material.
+   type :: rub_type
+      !> Normal and tangential traction, stress units.
+      real(wp) :: traction(2) = 0.0_wp
+      !> The same as a vector, and its derivatives by the place of the station and by S, shape
+      !> (component, component).
+      real(wp) :: vector(2) = 0.0_wp, by_place(2, 2) = 0.0_wp, by_stress(2, 2) = 0.0_wp
+      !> Sign of the traction while it slips, 0 while it sticks or is smooth.
+      integer :: slip = 0
+   end type rub_type
+
+contains
+
+   !> Friction of a boundary.
+   pure function friction_of(boundary) result(friction)
+      !> The boundary.
+      type(boundary_type), intent(in) :: boundary
+      type(friction_type) :: friction
+
+      friction = friction_type(boundary%friction, boundary%adhesion, boundary%shear_limit, &
+                               boundary%is_rough)
+   end function friction_of
+
+   !> Normal part: traction, and its share of the derivatives.
+   pure subroutine press(answer, place, material, penalty)
+      !> Answer to begin.
+      type(rub_type), intent(out) :: answer
+      !> Place of the station relative to the face.
+      type(place_type), intent(in) :: place
+      !> Traction S of the material on the face, stress units.
+      real(wp), intent(in) :: material(2)
+      !> Penalty stiffness k, stress per length.
+      real(wp), intent(in) :: penalty
+
+      associate (n => place%normal, t => place%tangent)
+         answer%traction(1) = dot_product(n, material) + penalty*place%gap
+         answer%vector = answer%traction(1)*n
+         answer%by_place = outer(n, normal_slope(place, material, penalty)) &
+            + answer%traction(1)*place%curvature*outer(t, t)
+         answer%by_stress = outer(n, n)
+      end associate
+   end subroutine press
+
+   !> Tangential part, to be called after `press`: sticks up to the capacity, then slips.
+   pure subroutine rub(answer, place, material, penalty, lag, friction, forced_slip)
+      !> Answer to complete.
+      type(rub_type), intent(inout) :: answer
+      !> Place of the station relative to the face.
+      type(place_type), intent(in) :: place
+      !> Traction S of the material on the face, stress units.
+      real(wp), intent(in) :: material(2)
+      !> Penalty stiffnesses along normal and tangent, stress per length.
+      real(wp), intent(in) :: penalty(2)
+      !> Way from the place where the station sticks to its present one, length units.
+      real(wp), intent(in) :: lag(2)
+      !> What the face can carry.
+      type(friction_type), intent(in) :: friction
+      !> If given, sticks (0) or slips (sign of the traction) whatever the capacity: prediction.
+      integer, intent(in), optional :: forced_slip
+      real(wp) :: stuck, capacity, slope, by_place(2), by_stress(2)
+
+      associate (n => place%normal, t => place%tangent, kappa => place%curvature)
+         stuck = dot_product(t, material) + penalty(2)*dot_product(t, lag)
+         call shear_capacity(friction, answer%traction(1), capacity, slope)
+         if (present(forced_slip)) then
+            answer%slip = forced_slip
+         else if (abs(stuck) > capacity) then
+            answer%slip = nint(sign(1.0_wp, stuck))
+         end if
+         if (answer%slip == 0) then
+            answer%traction(2) = stuck
+            by_place = (penalty(2)*(1.0_wp - kappa*dot_product(n, lag)) &
+                        - kappa*dot_product(n, material))*t
+            by_stress = t
+         else
+            answer%traction(2) = real(answer%slip, wp)*capacity
+            by_place = real(answer%slip, wp)*slope*normal_slope(place, material, penalty(1))
+            by_stress = real(answer%slip, wp)*slope*n
+         end if
+         answer%vector = answer%vector + answer%traction(2)*t
+         answer%by_place = answer%by_place + outer(t, by_place) &
+            - answer%traction(2)*kappa*outer(n, t)
+         answer%by_stress = answer%by_stress + outer(t, by_stress)
+      end associate
+   end subroutine rub
+
+   !> Largest shear at a normal traction, and its derivative by that.
+   pure subroutine shear_capacity(friction, normal_traction, capacity, slope)
+      !> The face.
+      type(friction_type), intent(in) :: friction
+      !> Normal traction, tension positive, stress units.
+      real(wp), intent(in) :: normal_traction
+      !> Largest shear, stress units.
+      real(wp), intent(out) :: capacity
+      !> Its derivative.
+      real(wp), intent(out) :: slope
+
+      capacity = friction%limit
+      slope = 0.0_wp
+      if (friction%is_rough) return
+      associate (coulomb => friction%adhesion - friction%coefficient*normal_traction)
+         if (coulomb >= friction%limit) return
+         capacity = max(0.0_wp, coulomb)
+         if (coulomb > 0.0_wp) slope = -friction%coefficient
+      end associate
+   end subroutine shear_capacity
+
+   !> Derivative of the normal traction by the place; the normal turns on arcs.
+   pure function normal_slope(place, material, penalty) result(slope)
+      type(place_type), intent(in) :: place
+      real(wp), intent(in) :: material(2), penalty
+      real(wp) :: slope(2)
+
+      slope = penalty*place%normal &
+         + place%curvature*dot_product(place%tangent, material)*place%tangent
+   end function normal_slope
+
+   !> Dyadic product.
+   pure function outer(first, second) result(product)
+      real(wp), intent(in) :: first(2), second(2)
+      real(wp) :: product(2, 2)
+
+      product(:, 1) = first*second(1)
+      product(:, 2) = first*second(2)
+   end function outer
+
+end module coulter_boundary_friction
