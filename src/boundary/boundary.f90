@@ -62,7 +62,7 @@ module coulter_boundary
       real(wp) :: adhesion = 0.0_wp, shear_limit = huge(1.0_wp)
       !> Does what presses against it stick up to the largest shear, whatever the pressure?
       logical :: is_rough = .false.
-      !> Bulge of every segment: tangent of a quarter of the angle of an arc, positive when that runs
+      !> Bulge of every segment: tangent of a quarter of the angle of an arc, positive when it runs
       !> counter-clockwise, shape (n_segments); unallocated if all are straight.
       real(wp), allocatable :: bulges(:)
       !> Total rotation at a table value of 1, counter-clockwise, radians, and its table.

@@ -113,8 +113,9 @@ contains
       associate (item => model%boundaries(boundary))
          motion%translation = item%displacement*advance(item%table)
          motion%centre = item%centre
-         if (abs(item%rotation) > 0.0_wp) &
+         if (abs(item%rotation) > 0.0_wp) then
             motion%rotation = item%rotation*advance(item%rotation_table)
+         end if
       end associate
 
    contains

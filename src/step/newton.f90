@@ -86,10 +86,13 @@ contains
             cycle
          end if
          call find_correction(newton, system, model)
-         if (.not. allocated(newton%failure)) call advance(newton, system, model)
-         newton%n_iterations = newton%n_iterations + 1
-         if (allocated(newton%failure) .and. system%is_smooth) &
+         if (.not. allocated(newton%failure)) then
+            call advance(newton, system, model)
+            newton%n_iterations = newton%n_iterations + 1
+         end if
+         if (allocated(newton%failure) .and. system%is_smooth) then
             call end_smoothness(newton, system, model)
+         end if
       end do
    end subroutine solve_newton
 
@@ -273,6 +276,7 @@ contains
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
       real(wp) :: share
+      logical :: is_searching
 
       share = 1.0_wp
       do
@@ -283,8 +287,9 @@ contains
          deallocate (newton%failure)
       end do
       ! a prediction is not compared with what it predicts
-      if (system%contacts%n > 0 .and. .not. (newton%has_predicted .and. newton%n_iterations == 0)) &
-         call search_line(newton, system, model, share)
+      is_searching = system%contacts%n > 0
+      if (newton%n_iterations == 0) is_searching = is_searching .and. .not. newton%has_predicted
+      if (is_searching) call search_line(newton, system, model, share)
       if (allocated(newton%failure)) return
       newton%unknowns = newton%unknowns + share*newton%correction
    end subroutine advance
