@@ -9,7 +9,7 @@ module coulter_deck_loads
    use coulter_deck_outline, only: new_polyline
    use coulter_deck_references, only: check_unique_names, get_reference
    use coulter_deck_values, only: get_list, get_value, is_given
-   use coulter_model, only: body_force_type
+   use coulter_model_body_force, only: body_force_type
    use coulter_model_control, only: domains_tiles, schedule_type
    implicit none(type, external)
    private

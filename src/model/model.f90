@@ -8,13 +8,14 @@ module coulter_model
    use coulter_boundary_motion, only: motion_type
    use coulter_grid, only: grid_type
    use coulter_law, only: law_item_type
+   use coulter_model_body_force, only: body_force_type
    use coulter_model_control, only: control_type, schedule_type
    use coulter_points, only: points_type
    use coulter_points_body, only: body_type
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
    private
-   public :: model_type, fixity_type, units_type, body_force_type
+   public :: model_type, fixity_type, units_type
    public :: load_factor, boundary_motion, point_moduli
 
    !> Labels for logs and plots; Coulter computes in any consistent units.
@@ -38,14 +39,6 @@ module coulter_model
       !> Which displacement components are held, shape (n_dim).
       logical, allocatable :: is_held(:)
    end type fixity_type
-
-   !> A force per unit mass, the same everywhere.
-   type :: body_force_type
-      !> Acceleration at a table value of 1, length per time squared, shape (2).
-      real(wp) :: acceleration(2) = 0.0_wp
-      !> Number of the table that schedules it; 0: proportional to time up to the last step.
-      integer :: table = 0
-   end type body_force_type
 
    !> A scene: what is computed, and nothing about files.
    type :: model_type

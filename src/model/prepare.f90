@@ -51,7 +51,11 @@ contains
       if (faults%n_faults > known_faults) return
       call seed_model(model)
       if (model%points%n_points == 0) call faults%add("region", 0, "", "no region holds material")
-      if (allocated(model%tiling)) call check_edge_loads(model, faults)
+      if (allocated(model%tiling)) then
+         call check_edge_loads(model, faults)
+      else if (allocated(model%body_force%field)) then
+         call faults%add("body_force", 0, "", "a field of acceleration needs tiled domains")
+      end if
    end subroutine prepare_model
 
    !> All regions in one list.

@@ -7,6 +7,7 @@ module coulter_step_assembly
    use coulter_boundary_motion, only: motion_type
    use coulter_grid_shape, only: shape_gradients_2d
    use coulter_model, only: boundary_motion, load_factor, model_type
+   use coulter_step_body_field, only: add_body_field
    use coulter_step_edge_loads, only: add_pressures, add_tractions
    use coulter_step_point_kernel, only: add_point
    use coulter_step_system, only: system_type
@@ -56,6 +57,7 @@ contains
                *load_factor(model, model%body_force%table, system%end_time)
          end do
       end if
+      if (allocated(model%body_force%field)) call add_body_field(system, model)
       if (allocated(model%tiling)) call add_tractions(system, model)
       system%dead_load = system%external
    end subroutine apply_dead_loads
