@@ -6,7 +6,8 @@ module coulter_deck_bodies
    use coulter_deck_document, only: blame, deck_type, find_groups
    use coulter_deck_outline, only: new_polygon
    use coulter_deck_references, only: check_unique_names, get_reference
-   use coulter_deck_values, only: get_choice, get_list, get_value, is_given
+   use coulter_deck_umat, only: read_umat
+   use coulter_deck_values, only: demand, get_choice, get_list, get_value, is_given
    use coulter_law, only: hencky_type, law_item_type, new_hencky
    use coulter_model_control, only: domains_tiles
    use coulter_points_body, only: body_type, region_type
@@ -32,6 +33,8 @@ contains
          choice = 1
          call get_choice(deck, groups(i), "model", choice)
          select case (choice)
+         case (2)
+            call read_umat(deck, groups(i), laws(i))
          case default
             call read_hencky(deck, groups(i), laws(i))
          end select
@@ -51,6 +54,8 @@ contains
       name = ""
       youngs_modulus = 1.0_wp
       poisson_ratio = 0.0_wp
+      call demand(deck, group, "youngs_modulus")
+      call demand(deck, group, "poisson_ratio")
       call get_value(deck, group, "name", name)
       call get_value(deck, group, "youngs_modulus", youngs_modulus)
       call get_value(deck, group, "poisson_ratio", poisson_ratio)

@@ -86,12 +86,22 @@ module coulter_deck_schema
    type(variable_rule_type), parameter :: body_rules(*) = [ &
       variable_rule_type("law", "name", "text", 1, 1, "", required, "", &
          "name by which bodies refer to the law"), &
-      variable_rule_type("law", "model", "choice", 1, 1, "", "'hencky'", "hencky", &
-         "kind of law: `hencky` is elastic, linear in the logarithmic strain"), &
-      variable_rule_type("law", "youngs_modulus", "real", 1, 1, "stress", required, "> 0", &
-         "Young's modulus"), &
-      variable_rule_type("law", "poisson_ratio", "real", 1, 1, "", required, "> -1 < 0.5", &
-         "Poisson's ratio"), &
+      variable_rule_type("law", "model", "choice", 1, 1, "", "'hencky'", "hencky umat", &
+         "`hencky`: elastic, linear in the logarithmic strain; `umat`: from a library"), &
+      variable_rule_type("law", "youngs_modulus", "real", 1, 1, "stress", "(required)", "> 0", &
+         "Young's modulus; umat: of penalties and hourglass control, if not that of the library"), &
+      variable_rule_type("law", "poisson_ratio", "real", 1, 1, "", "(required)", "> -1 < 0.5", &
+         "Poisson's ratio; umat: beside youngs_modulus"), &
+      variable_rule_type("law", "library", "text", 1, 1, "", "(umat only)", "", &
+         "shared library of an Abaqus UMAT; its path starts at the folder of the deck"), &
+      variable_rule_type("law", "constants", "real", 1, 1000, "", "(none)", "", &
+         "umat: material constants, PROPS"), &
+      variable_rule_type("law", "n_state", "integer", 1, 1, "", "0", ">= 0 <= 10000", &
+         "umat: number of state variables, NSTATV"), &
+      variable_rule_type("law", "initial_state", "real", 1, 1000, "", "(zeros)", "", &
+         "umat: the first state variables at the start; the others are zero"), &
+      variable_rule_type("law", "material", "text", 1, 1, "", "(name)", "", &
+         "umat: name that the library is told, CMNAME"), &
       variable_rule_type("body", "name", "text", 1, 1, "", required, "", &
          "name by which regions refer to the body"), &
       variable_rule_type("body", "law", "text", 1, 1, "", required, "", "name of its law"), &

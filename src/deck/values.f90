@@ -4,11 +4,11 @@ module coulter_deck_values
    use coulter_base_kinds, only: wp
    use coulter_deck_document, only: blame, deck_type, find_assignment
    use coulter_deck_namelist, only: value_type
-   use coulter_deck_schema, only: choice_number
+   use coulter_deck_schema, only: allowed_text, choice_number
    use coulter_deck_variable, only: read_variable, rule_of
    implicit none(type, external)
    private
-   public :: get_value, get_list, get_choice, is_given, refuse
+   public :: get_value, get_list, get_choice, is_given, refuse, demand
 
    !> Replace a preset value by that of the deck. A variable that is absent or at fault leaves it.
    interface get_value
@@ -48,6 +48,20 @@ contains
 
       if (is_given(deck, group, variable)) call blame(deck, group, variable, reason)
    end subroutine refuse
+
+   !> Note a fault if a variable is missing that this group needs.
+   subroutine demand(deck, group, variable)
+      !> Deck that notes faults.
+      type(deck_type), intent(inout) :: deck
+      !> Number of the group in the deck.
+      integer, intent(in) :: group
+      !> Variable name.
+      character(len=*), intent(in) :: variable
+
+      if (is_given(deck, group, variable) .or. deck%groups(group)%is_broken) return
+      call blame(deck, group, variable, &
+                 "is missing; it takes "//allowed_text(rule_of(deck, group, variable)))
+   end subroutine demand
 
    !> Number of the chosen word among the choices of the schema; `choice` keeps its value when the
    !> variable is absent or at fault.

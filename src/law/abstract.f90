@@ -2,12 +2,26 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_law_abstract
    use coulter_base_kinds, only: wp
+   use coulter_law_spatial, only: moduli_of_strain
    implicit none(type, external)
    private
-   public :: law_type, law_item_type, law_response_type, law_variable_type, law_visit_type, n_plane
+   public :: law_type, law_item_type, law_response_type, law_variable_type, law_verdict_type
+   public :: law_visit_type, n_plane
 
    !> Components of a symmetric tensor in plane strain and axisymmetry: xx, yy, zz, xy.
    integer, parameter :: n_plane = 4
+
+   !> Why a law failed, and what that means for the step.
+   type :: law_verdict_type
+      !> In words; unallocated when no law has spoken.
+      character(len=:), allocatable :: message
+      !> Must the step be given up, even if shorter corrections could be tried?
+      logical :: ends_step = .false.
+      !> Must the run end?
+      logical :: ends_run = .false.
+      !> Share of its size with which the step is repeated.
+      real(wp) :: step_ratio = 0.5_wp
+   end type law_verdict_type
 
    !> Where and when a law is asked; most laws do not look at it.
    type :: law_visit_type
@@ -17,6 +31,10 @@ module coulter_law_abstract
       real(wp) :: time_step = 0.0_wp
       !> Number of the point, for messages.
       integer :: point = 0
+      !> In-plane deformation gradient of the step.
+      real(wp) :: deformation(2, 2) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
+      !> Where a law that fails may say why; not associated when nobody asks.
+      type(law_verdict_type), pointer :: verdict => null()
    end type law_visit_type
 
    !> What a law answers. No component has a default, which would be set at every visit.
@@ -54,11 +72,15 @@ module coulter_law_abstract
       logical :: is_symmetric = .true.
       !> Is the law elastic, so that the elastic strain always equals the trial strain?
       logical :: is_elastic = .true.
+      !> Does the law work on stress increments? Its elastic strain then starts at zero in every
+      !> step, so that the trial strain is that of the step, and its stress turns with the step.
+      logical :: is_incremental = .false.
    contains
       procedure(update_interface), deferred :: update
       procedure(moduli_interface), deferred :: elastic_moduli
       procedure(strain_interface), deferred :: elastic_strain
       procedure :: initial_state
+      procedure, nopass :: spatial_moduli
    end type law_type
 
    !> A law of any kind, to be kept in arrays.
@@ -131,5 +153,23 @@ contains
 
       state = 0.0_wp
    end subroutine initial_state
+
+   !> Moduli A_ijkl of the spatial tangent. Unless a law overrides it: the stress depends on the
+   !> elastic strain alone.
+   pure subroutine spatial_moduli(finger, strain, response, moduli)
+      !> Elastic trial left Cauchy-Green tensor xx, yy, zz, xy.
+      real(wp), intent(in) :: finger(4)
+      !> Its logarithmic strain xx, yy, zz, 2 xy.
+      real(wp), intent(in) :: strain(n_plane)
+      !> Stress and tangent.
+      type(law_response_type), intent(in) :: response
+      !> Moduli, stress units.
+      real(wp), intent(out) :: moduli(2, 2, 2, 2)
+
+      ! what the default ignores, overriding procedures use
+      associate (unused => strain)
+      end associate
+      call moduli_of_strain(finger, response%stress, response%tangent, moduli)
+   end subroutine spatial_moduli
 
 end module coulter_law_abstract

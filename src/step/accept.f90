@@ -6,7 +6,7 @@ module coulter_step_accept
    use coulter_base_text, only: to_text
    use coulter_boundary_motion, only: motion_type, moved_by
    use coulter_grid_shape, only: shape_gradients_2d, shape_values_2d
-   use coulter_law, only: law_response_type, n_plane
+   use coulter_law, only: law_response_type, law_visit_type, n_plane
    use coulter_model, only: boundary_motion, model_type
    use coulter_points, only: point_state_type
    use coulter_points_tiling, only: tile_centroid
@@ -30,6 +30,7 @@ contains
       real(wp), allocatable :: moved(:, :)
       integer :: failed_point
 
+      call system%forget_verdict()
       allocate (moved, mold=model%points%position)
       if (allocated(model%tiling)) then
          call update_tiles(model, system, moved, failed_point)
@@ -39,7 +40,7 @@ contains
       if (failed_point > 0) then
          failure = "material point "//to_text(failed_point)//" near (" &
             //to_text(model%points%position(:, failed_point))//") is turned inside out" &
-            //" or leaves the grid"
+            //" or leaves the grid"//system%verdict_text()
          return
       end if
       model%points%displacement = model%points%displacement + moved
@@ -116,6 +117,7 @@ contains
       real(wp), intent(in) :: gradient(2, 4), increment(2, 4)
       logical, intent(out) :: has_failed
       real(wp) :: deformation(2, 2), volume_ratio, finger(4), strain(n_plane)
+      type(law_visit_type) :: visit
       type(law_response_type) :: response
 
       associate (old => model%points%converged, new => model%points%trial, &
@@ -125,7 +127,9 @@ contains
          has_failed = .not. volume_ratio > 0.0_wp
          if (has_failed) return
          call log_strain_plane(finger, strain)
-         call item%law%update(system%visit(p), strain, old%law_state(:item%law%n_state, p), &
+         visit = system%visit(p)
+         visit%deformation = deformation
+         call item%law%update(visit, strain, old%law_state(:item%law%n_state, p), &
                               response, new%law_state(:item%law%n_state, p))
          has_failed = response%has_failed
          if (has_failed) return

@@ -147,12 +147,13 @@ contains
       integer :: failed_point
 
       call system%watch%start(phase_assemble)
+      call system%forget_verdict()
       call expand(system%dofs, unknowns, system%increment)
       call assemble(system, model, failed_point)
       call system%watch%stop()
       if (failed_point == 0) return
       newton%failure = "a material point is turned inside out or its law fails near (" &
-         //to_text(model%points%position(:, failed_point))//")"
+         //to_text(model%points%position(:, failed_point))//")"//system%verdict_text()
    end subroutine evaluate
 
    !> Residual relative to the internal or external force; 1 while both vanish. Penalty forces are
@@ -283,7 +284,7 @@ contains
          call evaluate(newton, system, model, newton%unknowns + share*newton%correction)
          if (.not. allocated(newton%failure)) exit
          share = 0.5_wp*share
-         if (share < smallest_share) return
+         if (share < smallest_share .or. system%must_end_step()) return
          deallocate (newton%failure)
       end do
       ! a prediction is not compared with what it predicts

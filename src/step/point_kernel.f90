@@ -4,7 +4,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_point_kernel
    use coulter_base_kinds, only: wp
-   use coulter_base_tensor, only: inverse_2d, log_strain_plane, log_strain_tangent_plane
+   use coulter_base_tensor, only: inverse_2d, log_strain_plane
    use coulter_law, only: law_response_type, law_type, law_visit_type, n_plane
    implicit none(type, external)
    private
@@ -78,6 +78,7 @@ contains
       !> Is the point turned inside out, or did its law fail?
       logical, intent(out) :: has_failed
       real(wp) :: deformation(2, 2), volume_ratio, finger(4), strain(n_plane)
+      type(law_visit_type) :: here
       type(law_response_type) :: answer
       real(wp) :: new_state(law%n_state)
 
@@ -87,11 +88,13 @@ contains
       response%inverse = inverse_2d(deformation, volume_ratio)
       response%gradient = matmul(transpose(response%inverse), gradient)
       call log_strain_plane(finger, strain)
-      call law%update(visit, strain, law_state(:law%n_state), answer, new_state)
+      here = visit
+      here%deformation = deformation
+      call law%update(here, strain, law_state(:law%n_state), answer, new_state)
       has_failed = answer%has_failed
       if (has_failed) return
       response%stress = answer%stress
-      call spatial_moduli(finger, answer%stress, answer%tangent, response%moduli)
+      call law%spatial_moduli(finger, strain, answer, response%moduli)
    end subroutine respond
 
    !> Add the internal force and the tangent of a point to those of its cell:
@@ -126,40 +129,6 @@ contains
       call add_force(response%gradient, response%stress, volume, force)
       call add_stiffness(response%gradient, response%moduli, volume, stiffness)
    end subroutine add_point
-
-   !> Moduli A_ijkl = d tau_ij/d l_kl - tau_il delta_jk of the spatial tangent, where
-   !> d tau = D : 1/2 d(ln b) : (l b + b l^T).
-   pure subroutine spatial_moduli(finger, stress, law_tangent, moduli)
-      real(wp), intent(in) :: finger(4), stress(n_plane), law_tangent(n_plane, n_plane)
-      real(wp), intent(out) :: moduli(2, 2, 2, 2)
-      real(wp) :: logarithm(3, 3), by_finger(3, 3), change(3)
-      integer, parameter :: in_plane(3) = [1, 2, 4]
-      integer :: k, l
-
-      call log_strain_tangent_plane(finger, logarithm)
-      by_finger = matmul(law_tangent(in_plane, in_plane), logarithm)
-      do l = 1, 2
-         do k = 1, 2
-            change = by_finger(:, k)*2.0_wp*component(finger, k, l) &
-               + by_finger(:, 3)*component(finger, 3 - k, l)
-            moduli(1, 1, k, l) = change(1)
-            moduli(2, 2, k, l) = change(2)
-            moduli(1, 2, k, l) = change(3)
-            moduli(2, 1, k, l) = change(3)
-            moduli(1, k, k, l) = moduli(1, k, k, l) - component(stress, 1, l)
-            moduli(2, k, k, l) = moduli(2, k, k, l) - component(stress, 2, l)
-         end do
-      end do
-   end subroutine spatial_moduli
-
-   !> In-plane component of a symmetric tensor stored as xx, yy, zz, xy.
-   pure function component(tensor, i, j) result(value)
-      real(wp), intent(in) :: tensor(4)
-      integer, intent(in) :: i, j
-      real(wp) :: value
-
-      value = tensor(merge(i, 4, i == j))
-   end function component
 
    !> Add the internal force.
    pure subroutine add_force(gradient, stress, volume, force)

@@ -30,6 +30,7 @@ contains
       real(wp) :: reported(n_phases)
       integer :: step
 
+      allocate (system%verdict)
       call new_stopwatch(system%watch, n_phases)
       reported = 0.0_wp
       call describe_system(model, system, scene, error)
@@ -42,6 +43,7 @@ contains
          call observer%finish(model, error, system%watch%seconds - reported)
       end if
       call system%solver%release()
+      deallocate (system%verdict)
    end subroutine run_model
 
    !> Facts about a prepared model without running it.
@@ -96,8 +98,10 @@ contains
                            report, failure)
          if (allocated(failure)) then
             n_halvings = n_halvings + 1
-            increment = 0.5_wp*increment
-            if (n_halvings <= model%control%max_halvings) cycle
+            ! half, unless a law knows better
+            increment = system%verdict%step_ratio*increment
+            if (n_halvings <= model%control%max_halvings &
+                .and. .not. system%verdict%ends_run) cycle
             call fatal_error(error, failure_message(model, step, n_halvings - 1, failure))
             return
          end if

@@ -33,6 +33,7 @@ contains
       character(len=:), allocatable, intent(out) :: failure
       type(newton_type) :: newton
 
+      call system%forget_verdict()
       system%start_time = model%time
       system%end_time = end_time
       call prepare_system(model, system, failure)

@@ -9,7 +9,7 @@ module coulter_step_system
    use coulter_boundary_edge_load, only: loaded_edge_type
    use coulter_boundary_stations, only: stations_type
    use coulter_grid_cells, only: cells_type
-   use coulter_law, only: law_visit_type
+   use coulter_law, only: law_verdict_type, law_visit_type
    use coulter_step_dofs, only: dofs_type
    use coulter_step_ghost, only: ghost_type
    use coulter_step_tile_map, only: tile_map_type
@@ -82,14 +82,19 @@ module coulter_step_system
       real(wp), allocatable :: boundary_reaction(:, :)
       !> Mass that each node carries, shape (n_nodes).
       real(wp), allocatable :: nodal_mass(:)
+      !> What a law that failed had to say; there if somebody asks.
+      type(law_verdict_type), pointer :: verdict => null()
    contains
       procedure :: visit
+      procedure :: forget_verdict
+      procedure :: must_end_step
+      procedure :: verdict_text
    end type system_type
 
 contains
 
    !> What the law of a point is told about the step.
-   elemental function visit(self, point)
+   function visit(self, point)
       class(system_type), intent(in) :: self
       !> Number of the point.
       integer, intent(in) :: point
@@ -98,7 +103,34 @@ contains
       visit%time = self%end_time
       visit%time_step = self%end_time - self%start_time
       visit%point = point
+      visit%verdict => self%verdict
    end function visit
+
+   !> Before laws are asked: none has failed.
+   subroutine forget_verdict(self)
+      class(system_type), intent(inout) :: self
+
+      if (associated(self%verdict)) self%verdict = law_verdict_type()
+   end subroutine forget_verdict
+
+   !> Does a law that failed want the step to end, even if shorter corrections could be tried?
+   pure function must_end_step(self) result(answer)
+      class(system_type), intent(in) :: self
+      logical :: answer
+
+      answer = .false.
+      if (associated(self%verdict)) answer = self%verdict%ends_step
+   end function must_end_step
+
+   !> What a law that failed says, to be added to a message; empty when it says nothing.
+   pure function verdict_text(self) result(text)
+      class(system_type), intent(in) :: self
+      character(len=:), allocatable :: text
+
+      text = ""
+      if (.not. associated(self%verdict)) return
+      if (allocated(self%verdict%message)) text = ": "//self%verdict%message
+   end function verdict_text
 
    !> Make pattern, scatter map and symbolic factorisation, unless those of the last step hold.
    subroutine renew_pattern(system, elements, has_failed, order)
