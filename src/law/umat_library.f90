@@ -125,8 +125,11 @@ contains
       type(umat_call_type), target, intent(inout) :: arguments
       !> Why there is no answer; unallocated when there is one.
       character(len=:), allocatable, intent(out) :: message
+      type(c_funptr) :: work
 
-      call host_call(c_funloc(call_plainly), c_loc(arguments), message)
+      ! as an argument the address would become a constant that the loader must relocate
+      work = c_funloc(call_plainly)
+      call host_call(work, c_loc(arguments), message)
    end subroutine call_umat
 
    !> The call itself; never returns when the user material calls `xit`.
