@@ -12,6 +12,7 @@ typedef struct {
    cholmod_common common;
    cholmod_sparse matrix;
    cholmod_factor *factor;
+   cholmod_dense *answer, *work[2]; /* kept from solve to solve */
 } cholesky;
 
 /* CHOLMOD of SuiteSparse 5 asks for four threads whatever the caller wants; its fronts are too
@@ -27,6 +28,9 @@ void coulter_cholesky_free(cholesky *self)
 {
    if (!self) return;
    cholmod_free_factor(&self->factor, &self->common);
+   cholmod_free_dense(&self->answer, &self->common);
+   cholmod_free_dense(&self->work[0], &self->common);
+   cholmod_free_dense(&self->work[1], &self->common);
    cholmod_finish(&self->common);
    free(self->matrix.p);
    free(self->matrix.i);
@@ -83,11 +87,11 @@ int coulter_cholesky_solve(cholesky *self, double *b, double *x)
    int n = (int)self->matrix.nrow, levels = forbid_threads();
    cholmod_dense right = {.nrow = n, .ncol = 1, .nzmax = n, .d = n, .x = b,
                           .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
-   cholmod_dense *answer = cholmod_solve(CHOLMOD_A, self->factor, &right, &self->common);
+   int is_done = cholmod_solve2(CHOLMOD_A, self->factor, &right, NULL, &self->answer, NULL,
+                                &self->work[0], &self->work[1], &self->common);
    omp_set_max_active_levels(levels);
-   if (!answer) return 2;
-   memcpy(x, answer->x, n * sizeof(double));
-   cholmod_free_dense(&answer, &self->common);
+   if (!is_done) return 2;
+   memcpy(x, self->answer->x, n * sizeof(double));
    return 0;
 }
 
@@ -101,4 +105,10 @@ double coulter_cholesky_pivot_ratio(cholesky *self)
 long long coulter_cholesky_bytes(const cholesky *self)
 {
    return (long long)self->factor->xsize * (long long)sizeof(double);
+}
+
+/* Operations of a factorisation over entries of the factor. */
+double coulter_cholesky_intensity(const cholesky *self)
+{
+   return self->common.lnz > 0 ? self->common.fl / self->common.lnz : 0;
 }

@@ -5,7 +5,7 @@ module coulter_algebra_cholesky
    implicit none(type, external)
    private
    public :: cholesky_new, cholesky_factorise, cholesky_solve, cholesky_pivot_ratio
-   public :: cholesky_bytes, cholesky_free
+   public :: cholesky_bytes, cholesky_free, cholesky_intensity
 
    interface
       !> Analyse a symmetric pattern; a null pointer on failure.
@@ -47,6 +47,14 @@ module coulter_algebra_cholesky
          type(c_ptr), value :: handle
          real(c_double) :: ratio
       end function cholesky_pivot_ratio
+
+      !> Operations of a factorisation over entries of the factor.
+      function cholesky_intensity(handle) result(ratio) bind(C, name="coulter_cholesky_intensity")
+         import :: c_double, c_ptr
+         implicit none(type, external)
+         type(c_ptr), value :: handle
+         real(c_double) :: ratio
+      end function cholesky_intensity
 
       !> Bytes that the factor occupies.
       function cholesky_bytes(handle) result(bytes) bind(C, name="coulter_cholesky_bytes")

@@ -1,5 +1,6 @@
-!> GMRES for matrices that are nearly symmetric: preconditioned by the factor of their symmetric
-!> part (Saad, Y. and Schultz, M. H. (1986), SIAM J. Sci. Stat. Comput. 7, 856-869).
+!> GMRES for matrices that are close to one that has been factorised: its symmetric part, or the
+!> tangent of an earlier iteration (Saad, Y. and Schultz, M. H. (1986), SIAM J. Sci. Stat. Comput.
+!> 7, 856-869).
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_algebra_gmres
    use, intrinsic :: iso_c_binding, only: c_ptr
@@ -10,15 +11,15 @@ module coulter_algebra_gmres
    private
    public :: solve_gmres
 
-   !> Most iterations; a preconditioner that needs more is not worth it.
-   integer, parameter :: most_iterations = 30
+   !> Iterations after which the rate of convergence is judged.
+   integer, parameter :: telling_iterations = 4
 
 contains
 
    !> Solve A x = b with left preconditioning: the residual that is measured is close to the error
    !> of x, whatever penalties weigh in A.
-   subroutine solve_gmres(factor, pattern, values, b, tolerance, x, has_failed)
-      !> Factor of the symmetric part of A.
+   subroutine solve_gmres(factor, pattern, values, b, tolerance, x, n_iterations)
+      !> Cholesky factor of a matrix close to A.
       type(c_ptr), intent(in) :: factor
       !> Pattern of A.
       type(pattern_type), intent(in) :: pattern
@@ -30,34 +31,48 @@ contains
       real(wp), intent(in) :: tolerance
       !> Solution, shape (n).
       real(wp), intent(out) :: x(:)
-      !> Did the iteration not converge?
-      logical, intent(out) :: has_failed
-      real(wp) :: basis(size(b), most_iterations + 1), direction(size(b))
-      real(wp) :: hessenberg(most_iterations + 1, most_iterations), rotation(2, most_iterations)
-      real(wp) :: right(most_iterations + 1), share(most_iterations), start
-      integer :: k
+      !> On entry the most iterations, on return those that it took; 0 if they are not enough.
+      integer, intent(inout) :: n_iterations
+      real(wp), allocatable :: basis(:, :)
+      real(wp) :: hessenberg(n_iterations + 1, n_iterations), rotation(2, n_iterations)
+      real(wp) :: right(n_iterations + 1), share(n_iterations), start, product(size(b))
+      integer :: k, most
 
+      most = n_iterations
+      n_iterations = 0
       x = 0.0_wp
-      has_failed = cholesky_solve(factor, b, basis(:, 1)) /= 0
-      if (has_failed) return
-      right = 0.0_wp
-      right(1) = norm2(basis(:, 1))
-      start = right(1)
+      allocate (basis(size(b), most + 1))
+      if (cholesky_solve(factor, b, basis(:, 1)) /= 0) return
+      start = norm2(basis(:, 1))
+      if (start <= 0.0_wp) n_iterations = 1
       if (.not. start > 0.0_wp) return
+      right = 0.0_wp
+      right(1) = start
       basis(:, 1) = basis(:, 1)/start
-      do k = 1, most_iterations
-         call multiply(pattern, values, basis(:, k), direction)
-         has_failed = cholesky_solve(factor, direction, basis(:, k + 1)) /= 0
-         if (has_failed) return
+      do k = 1, most
+         call multiply(pattern, values, basis(:, k), product)
+         if (cholesky_solve(factor, product, basis(:, k + 1)) /= 0) return
          call orthogonalise(basis(:, :k + 1), hessenberg(:k + 1, k))
          call rotate(hessenberg(:k + 1, k), rotation(:, :k), right(k:k + 1))
          if (abs(right(k + 1)) <= tolerance*start) exit
+         if (is_hopeless(abs(right(k + 1))/start, k, most, tolerance)) return
       end do
-      has_failed = k > most_iterations
-      if (has_failed) return
+      if (k > most) return
+      n_iterations = k
       call solve_triangle(hessenberg(:k, :k), right(:k), share(:k))
       x = matmul(basis(:, :k), share(:k))
    end subroutine solve_gmres
+
+   !> Would `most` iterations at the mean rate of the first `k` not be enough? A few iterations say
+   !> nothing yet.
+   pure function is_hopeless(residual, k, most, tolerance) result(answer)
+      real(wp), intent(in) :: residual, tolerance
+      integer, intent(in) :: k, most
+      logical :: answer
+
+      answer = k >= telling_iterations &
+         .and. residual**(real(most, wp)/real(k, wp)) > tolerance
+   end function is_hopeless
 
    !> Make the last vector orthogonal to the others and of unit length (modified Gram-Schmidt).
    pure subroutine orthogonalise(basis, column)

@@ -3,12 +3,12 @@
 !> The tangents of Coulter are symmetric or nearly so, and positive definite in most scenes. Then a
 !> Cholesky factorisation of the symmetric part is several times faster than LU: it solves
 !> symmetric systems at once and makes a few iterations of GMRES do for the others. Whenever it is
-!> not enough, LU takes over.
+!> not enough, LU takes over. A Cholesky factor also serves for later matrices that hardly differ.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_algebra_solver
    use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_null_ptr, c_ptr
    use coulter_algebra_cholesky, only: cholesky_bytes, cholesky_factorise, cholesky_free, &
-      cholesky_new, cholesky_pivot_ratio, cholesky_solve
+      cholesky_intensity, cholesky_new, cholesky_pivot_ratio, cholesky_solve
    use coulter_algebra_gmres, only: solve_gmres
    use coulter_algebra_lu, only: is_accurate, lu_type
    use coulter_algebra_sparse, only: find_mirror, pattern_type
@@ -27,15 +27,22 @@ module coulter_algebra_solver
       integer :: n_repairs = 0
       !> Smallest over largest pivot of the last matrix: small when it is nearly singular.
       real(wp) :: pivot_ratio = 0.0_wp
+      !> Numeric factorisations since the last analysis.
+      integer :: n_factorisations = 0
       type(c_ptr), private :: cholesky = c_null_ptr
       type(lu_type), private :: lu
       logical, private :: is_lu_analysed = .false., is_lu_factorised = .false.
       logical, private :: is_symmetric = .false.
+      !> Does the factor belong to the matrix at hand, or must the next one be factorised anyway?
+      logical, private :: is_current = .false., is_worn = .true.
+      !> Iterations that cost as much as a factorisation.
+      integer, private :: worth = 0
       integer, allocatable, private :: order(:), mirror(:)
       real(wp), allocatable, private :: symmetric_values(:)
    contains
       procedure :: analyse
       procedure :: factorise
+      procedure :: refresh
       procedure :: solve
       procedure :: release
    end type solver_type
@@ -44,8 +51,16 @@ module coulter_algebra_solver
    !> from round-off.
    real(wp), parameter :: symmetry_tolerance = 1.0e-13_wp
    !> Preconditioned residual, about the relative error of the solution, that is accepted from
-   !> GMRES: Newton's method stays quadratic down to this factor.
+   !> GMRES unless the caller says otherwise.
    real(wp), parameter :: gmres_tolerance = 1.0e-6_wp
+   !> Most iterations of GMRES; a preconditioner that needs more is not worth it.
+   integer, parameter :: most_iterations = 30
+   !> Operations per entry that a factorisation does in the time of one iteration: it stays in the
+   !> cache, the iteration does not.
+   real(wp), parameter :: operations_per_entry = 16.0_wp
+   !> Factors with smaller ratios of pivots are used once: errors of iterations would hide behind
+   !> the penalties of narrow bands, and free bodies behind old factors.
+   real(wp), parameter :: healthy_ratio = 2.0e-6_wp
 
 contains
 
@@ -61,6 +76,7 @@ contains
 
       call self%release()
       self%order = order
+      self%n_factorisations = 0
       has_failed = .false.
       if (.not. self%is_lu_only) call analyse_cholesky(self, pattern)
       if (.not. c_associated(self%cholesky)) call analyse_lu(self, pattern, has_failed)
@@ -89,14 +105,32 @@ contains
       end if
       has_failed = .false.
       if (status /= 0) call factorise_lu(self, pattern, values, has_failed)
+      self%n_factorisations = self%n_factorisations + 1
+      self%is_current = .true.
+      self%is_worn = status /= 0 .or. self%pivot_ratio < healthy_ratio
    end subroutine factorise
 
-   !> Solve A x = b and check the answer.
-   subroutine solve(self, pattern, values, b, x, has_failed)
+   !> Be ready for new values: factorise them, unless the factor at hand serves as preconditioner.
+   subroutine refresh(self, pattern, values, has_failed)
       class(solver_type), intent(inout) :: self
-      !> The factorised pattern.
+      !> The analysed pattern.
       type(pattern_type), intent(in) :: pattern
-      !> The factorised values.
+      !> Values of the matrix, shape (n_entries).
+      real(wp), intent(in) :: values(:)
+      !> Is the matrix singular or did memory run out? Then `solve` must not be called.
+      logical, intent(out) :: has_failed
+
+      self%is_current = .false.
+      has_failed = .false.
+      if (self%is_worn) call self%factorise(pattern, values, has_failed)
+   end subroutine refresh
+
+   !> Solve A x = b and check the answer.
+   subroutine solve(self, pattern, values, b, x, has_failed, tolerance)
+      class(solver_type), intent(inout) :: self
+      !> The analysed pattern.
+      type(pattern_type), intent(in) :: pattern
+      !> The values that were given to `factorise` or `refresh` last.
       real(wp), intent(in) :: values(:)
       !> Right-hand side, shape (n).
       real(wp), intent(in) :: b(:)
@@ -104,13 +138,24 @@ contains
       real(wp), intent(out) :: x(:)
       !> Is there no accurate solution?
       logical, intent(out) :: has_failed
+      !> Accepted error of iterations, relative.
+      real(wp), intent(in), optional :: tolerance
+      real(wp) :: accepted
 
+      accepted = gmres_tolerance
+      if (present(tolerance)) accepted = tolerance
+      if (.not. self%is_current) then
+         call iterate(self, pattern, values, b, accepted, x, has_failed)
+         if (.not. has_failed) return
+         call self%factorise(pattern, values, has_failed)
+         if (has_failed) return
+      end if
       if (.not. self%is_lu_factorised) then
          if (self%is_symmetric) then
             has_failed = cholesky_solve(self%cholesky, b, x) /= 0
             if (.not. has_failed) has_failed = .not. is_accurate(pattern, values, b, x)
          else
-            call solve_gmres(self%cholesky, pattern, values, b, gmres_tolerance, x, has_failed)
+            call iterate(self, pattern, values, b, accepted, x, has_failed)
          end if
          if (.not. has_failed) return
          self%n_repairs = self%n_repairs + 1
@@ -119,6 +164,22 @@ contains
       end if
       call self%lu%solve(pattern, values, b, x, has_failed)
    end subroutine solve
+
+   !> Solve by GMRES with the factor at hand, and see whether that is worn.
+   subroutine iterate(self, pattern, values, b, tolerance, x, has_failed)
+      type(solver_type), intent(inout) :: self
+      type(pattern_type), intent(in) :: pattern
+      real(wp), intent(in) :: values(:), b(:), tolerance
+      real(wp), intent(out) :: x(:)
+      logical, intent(out) :: has_failed
+      integer :: n_iterations
+
+      n_iterations = most_iterations
+      if (.not. self%is_current) n_iterations = min(n_iterations, 2*self%worth)
+      call solve_gmres(self%cholesky, pattern, values, b, tolerance, x, n_iterations)
+      has_failed = n_iterations == 0
+      if (.not. self%is_current) self%is_worn = has_failed .or. n_iterations > self%worth
+   end subroutine iterate
 
    !> Free what the libraries hold.
    subroutine release(self)
@@ -129,6 +190,7 @@ contains
       call self%lu%release()
       self%is_lu_analysed = .false.
       self%is_lu_factorised = .false.
+      self%is_worn = .true.
    end subroutine release
 
    !> Analyse the pattern for Cholesky; without success there is no handle.
@@ -143,6 +205,9 @@ contains
          self%cholesky = cholesky_new(pattern%n, pattern%column_start, pattern%row, self%order)
       else
          self%cholesky = cholesky_new(pattern%n, pattern%column_start, pattern%row)
+      end if
+      if (c_associated(self%cholesky)) then
+         self%worth = max(4, nint(cholesky_intensity(self%cholesky)/operations_per_entry))
       end if
    end subroutine analyse_cholesky
 
@@ -164,6 +229,7 @@ contains
       logical, intent(out) :: has_failed
 
       has_failed = .false.
+      self%is_worn = .true.
       if (.not. self%is_lu_analysed) call analyse_lu(self, pattern, has_failed)
       if (has_failed) return
       call self%lu%factorise(pattern, values, has_failed)

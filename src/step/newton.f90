@@ -43,6 +43,9 @@ module coulter_step_newton
    !> A tangent whose smallest pivot is less than this share of its largest is nearly singular: the
    !> share is 1e-7 or more when all bodies are held, and 1e-15 when one of them is free to move.
    real(wp), parameter :: smallest_pivot = 1.0e-12_wp
+   !> Least, largest and first relative errors of corrections that are worth their price.
+   real(wp), parameter :: smallest_forcing = 1.0e-7_wp, largest_forcing = 1.0e-4_wp, &
+      first_forcing = 1.0e-6_wp
    !> Evaluations that a line search may take, and the fall of |G| that is enough.
    integer, parameter :: most_searches = 6
    real(wp), parameter :: good_share = 0.8_wp
@@ -242,11 +245,11 @@ contains
       logical :: has_failed
 
       call system%watch%start(phase_factorise)
-      call system%solver%factorise(system%pattern, system%values, has_failed)
+      call system%solver%refresh(system%pattern, system%values, has_failed)
       call system%watch%start(phase_solve)
       if (.not. has_failed) call system%solver%solve(system%pattern, system%values, &
                                                      -newton%unbalanced, newton%correction, &
-                                                     has_failed)
+                                                     has_failed, forcing(newton))
       call system%watch%stop()
       if (.not. has_failed) has_failed = maxval(abs(newton%correction)) &
          > largest_motion*maxval(model%grid%upper_corner() - model%grid%origin)
@@ -256,6 +259,18 @@ contains
             //" to move since no boundary or fixity holds it"
       end if
    end subroutine find_correction
+
+   !> Error that a correction may have: in proportion to the residual, so that the convergence stays
+   !> quadratic (Eisenstat, S. C. and Walker, H. F. (1996), SIAM J. Sci. Comput. 17, 16-32). The
+   !> first correction is the largest by far: its error can turn tiles inside out.
+   pure function forcing(newton) result(error)
+      type(newton_type), intent(in) :: newton
+      real(wp) :: error
+
+      error = 1.0e-3_wp*newton%residuals(size(newton%residuals))
+      error = min(max(error, smallest_forcing), largest_forcing)
+      if (newton%n_iterations == 0) error = first_forcing
+   end function forcing
 
    !> Ratio of pivots below which a tangent is nearly singular. Penalties over bands that are
    !> smaller than usual make the largest pivots larger.
