@@ -46,6 +46,7 @@ class Outcome:
     error: float
     iterations: int
     halvings: int
+    condition: float
     remark: str
 
     @property
@@ -65,7 +66,7 @@ def run_scene(scene: Scene, program: Path) -> Outcome:
             done = subprocess.run(command, capture_output=True, text=True, errors="replace",
                                   timeout=PATIENCE, check=False, env=environment)
         except subprocess.TimeoutExpired:
-            return Outcome("endless", None, np.nan, 0, 0, f"no end after {PATIENCE} s")
+            return Outcome("endless", None, np.nan, 0, 0, np.nan, f"no end after {PATIENCE} s")
         return judge(scene, done, Path(folder) / "scene.vtkhdf")
 
 
@@ -86,16 +87,17 @@ def judge(scene: Scene, done: subprocess.CompletedProcess, results: Path) -> Out
     return Outcome(verdict, 0, error, *effort(results), warning)
 
 
-def effort(results: Path) -> tuple[int, int]:
-    """Most iterations in a step, and most halvings."""
+def effort(results: Path) -> tuple[int, int, float]:
+    """Most iterations in a step, most halvings, and the worst condition of a step's last tangent."""
     if not results.is_file():
-        return 0, 0
+        return 0, 0, np.nan
     with h5py.File(results, "r", locking=False) as file:
         history = file["history"]
         rows = int(history.attrs["n_rows"])
         if rows == 0:
-            return 0, 0
-        return int(max(history["n_iterations"][:rows])), int(max(history["n_halvings"][:rows]))
+            return 0, 0, np.nan
+        most = lambda name: max(history[name][:rows])
+        return int(most("n_iterations")), int(most("n_halvings")), float(most("condition"))
 
 
 def warnings_of(log: str) -> str:
@@ -126,30 +128,35 @@ def write_table(cases: list[Case], outcomes: list[Outcome]) -> None:
     with TABLE.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["sweep", "case", "verdict", "status", "error", "bound", "iterations",
-                         "halvings", "remark"])
+                         "halvings", "condition", "remark"])
         for case, out in zip(cases, outcomes, strict=True):
             writer.writerow([case.sweep, case.name, out.verdict, out.status, f"{out.error:.1e}",
-                             f"{case.scene.bound:.1e}", out.iterations, out.halvings, out.remark])
+                             f"{case.scene.bound:.1e}", out.iterations, out.halvings,
+                             f"{out.condition:.1e}", out.remark])
 
 
 def summary(cases: list[Case], outcomes: list[Outcome]) -> str:
     """A table with a row per sweep and a list of what was not right."""
     lines = ["| sweep | runs | right | warned | failed | refused | broken | largest error |"
-             " iterations |", "|---|---|---|---|---|---|---|---|---|"]
+             " iterations | condition |", "|---|---|---|---|---|---|---|---|---|---|"]
     for sweep in dict.fromkeys(case.sweep for case in cases):
         own = [out for case, out in zip(cases, outcomes, strict=True) if case.sweep == sweep]
         count = lambda *words: sum(out.verdict in words for out in own)
         right = [out.error for out in own if out.verdict == "right"]
+        worst = [out.condition for out in own if out.verdict == "right"]
         lines.append(
             f"| {sweep} | {len(own)} | {count('right')} | {count('warned')} | {count('failed')} |"
             f" {count('refused')} | {count('wrong', 'crashed', 'endless')} |"
-            f" {f'{max(right):.0e}' if right else '-'} | {max(out.iterations for out in own)} |")
+            f" {f'{max(right):.0e}' if right else '-'} | {max(out.iterations for out in own)} |"
+            f" {f'{max(worst):.0e}' if worst else '-'} |")
     lines += ["", "Not right, and how they ended:", "",
-              "| sweep | case | ended | error | remark |", "|---|---|---|---|---|"]
+              "| sweep | case | ended | error | condition | remark |", "|---|---|---|---|---|---|"]
     for case, out in zip(cases, outcomes, strict=True):
         if out.verdict != "right":
-            error = "-" if np.isnan(out.error) else f"{out.error:.0e}"
-            lines.append(f"| {case.sweep} | {case.name} | {out.verdict} | {error} | {out.remark} |")
+            error, condition = ("-" if np.isnan(value) else f"{value:.0e}"
+                                for value in (out.error, out.condition))
+            lines.append(f"| {case.sweep} | {case.name} | {out.verdict} | {error} | {condition} |"
+                         f" {out.remark} |")
     return "\n".join(lines)
 
 
@@ -172,7 +179,7 @@ def main() -> int:
     outcomes = run_all(cases, options.program.resolve(), options.jobs)
     for case, out in zip(cases, outcomes, strict=True):
         print(f"{case.sweep:24} {case.name:34} {out.verdict:8} {out.error:8.1e} "
-              f"{out.iterations:3d} {out.halvings:2d} {out.remark[:90]}")
+              f"{out.iterations:3d} {out.halvings:2d} {out.condition:8.1e} {out.remark[:80]}")
     if not options.only:
         write_table(cases, outcomes)
         write_page(summary(cases, outcomes))

@@ -114,7 +114,8 @@ def control_group(domains=None, hourglass=None, ghost=None, small_cells=None, ha
                   fill=None) -> str:
     """Settings of the solution."""
     return group("control", domains=domains, hourglass=hourglass, ghost_penalty=ghost,
-                 small_cells=small_cells, max_halvings=halvings, fill_tolerance=fill)
+                 small_cells=small_cells, max_halvings=halvings, fill_tolerance=fill,
+                 condition=True)
 
 
 def patch(angle=15.0, h=0.125, stretch=0.9, steps=1, ppc=None, nu=0.3, modulus=1000.0,

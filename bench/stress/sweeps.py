@@ -84,6 +84,10 @@ for _word, _domains in BOTH:
     SWEEPS += [Case(f"carried, {_word}", f"{s} h at {a} degrees", carried(
         step=s, angle=a, **_domains))
         for a in (0.0, 30.0) for s in (1e-9, 0.25, 0.5, 1.0, 1.5, 8.0)]
+    # the last step starts at a stretch of two thirds, with points on faces of cells
+    SWEEPS += [Case(f"points on faces, {_word}", f"{n} x {n} points", patch(
+        angle=0.0, shift=(0.0, 0.0), stretch=0.6, steps=6, **_domains | {"ppc": n}
+        | (MPM_STEPS if _domains else {}))) for n in (1, 2, 3, 4)]
     SWEEPS += [Case(f"unsupported, {_word}", kind, unsupported(kind, _domains.get("domains")))
                for kind in ("nothing", "weight alone", "weight, floor 0.5 h below",
                             "weight, floor 10 h below", "plate moves away",

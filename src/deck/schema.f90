@@ -206,6 +206,8 @@ module coulter_deck_schema
          "cpdi2: `auto` tiles the bodies anew between steps when tiles are distorted"), &
       variable_rule_type("control", "solver", "choice", 1, 1, "", "'auto'", "auto umfpack", &
          "`auto` takes Cholesky where it works and LU elsewhere, `umfpack` always LU"), &
+      variable_rule_type("control", "condition", "logical", 1, 1, "", ".false.", "", &
+         "estimate the condition of every step's tangent: it costs more than a Newton iteration"), &
       variable_rule_type("control", "tolerance", "real", 1, 1, "", "1.0e-8", "> 0 < 1", &
          "largest accepted residual norm over the norm of the internal or external force"), &
       variable_rule_type("control", "increment_tolerance", "real", 1, 1, "", "1.0e-11", &

@@ -89,6 +89,7 @@ contains
       control%domains = domains(choice)
       call get_value(deck, group, "hourglass", control%hourglass_ratio)
       call get_value(deck, group, "ghost_penalty", control%ghost_ratio)
+      call get_value(deck, group, "condition", control%has_condition)
       call get_value(deck, group, "tolerance", control%tolerance)
       call get_value(deck, group, "increment_tolerance", control%increment_tolerance)
       call get_value(deck, group, "augmentations", control%n_augmentations)

@@ -37,6 +37,8 @@ module coulter_model_control
       real(wp) :: ghost_ratio = 1.0e-3_wp
       !> Are all systems solved by LU, symmetric ones as well?
       logical :: is_lu_only = .false.
+      !> Is the condition of every step's last tangent estimated? It costs two factorisations.
+      logical :: has_condition = .false.
       !> Largest accepted residual norm over the norm of the internal or external force.
       real(wp) :: tolerance = 1.0e-8_wp
       !> Largest accepted Newton correction over the largest displacement increment of the step;

@@ -56,6 +56,8 @@ module coulter_model_observer
       integer :: n_halvings = 0
       !> Relative residual before every iteration and at the end, shape (n_iterations + 1).
       real(wp), allocatable :: residuals(:)
+      !> Estimated condition of the last tangent, scaled by its diagonal; 0 where nobody asked.
+      real(wp) :: condition = 0.0_wp
       !> Force of every boundary on the body, force per thickness, shape (2, n_boundaries).
       real(wp), allocatable :: boundary_reactions(:, :)
       !> Force of every fixity on the body, force per thickness, shape (2, n_fixities).

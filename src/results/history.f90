@@ -87,6 +87,8 @@ contains
       call add_real(file, "load_factor", [integer ::], "time over the time of the last step", "1")
       call add_integer(file, "n_iterations", "Newton iterations")
       call add_integer(file, "n_halvings", "failed attempts that led to this step size")
+      call add_real(file, "condition", [integer ::], &
+                    "estimated condition of the scaled tangent, 0 where not asked for", "1")
    end subroutine add_step_columns
 
    !> Row of the columns on the step.
@@ -102,6 +104,7 @@ contains
       call file%put_reals("history/load_factor", row, 1, [report%load_factor])
       call put_integer(file, "n_iterations", row, report%n_iterations)
       call put_integer(file, "n_halvings", row, report%n_halvings)
+      call file%put_reals("history/condition", row, 1, [report%condition])
    end subroutine put_step_columns
 
    !> Columns on the size of the linear system.

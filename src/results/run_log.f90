@@ -107,6 +107,9 @@ contains
       call hide_progress(self)
       write (self%unit, "(a)") step_line(report)
       call write_reactions(self%unit, model, report)
+      if (report%condition > 0.0_wp) then
+         write (self%unit, "(8x, a)") "condition "//to_text(report%condition, 2)
+      end if
       if (allocated(report%warnings)) call write_warnings(self%unit, report%warnings)
       call show_progress(self, report%load_factor, error)
    end subroutine log_step

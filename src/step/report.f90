@@ -1,6 +1,7 @@
 !> Facts about the scene and about every step, for logs and results.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_report
+   use coulter_algebra_condition, only: scaled_condition
    use coulter_base_kinds, only: long, wp
    use coulter_base_text, only: to_text
    use coulter_boundary_segment, only: new_segment, segment_type
@@ -57,6 +58,9 @@ contains
       report%time_increment = system%end_time - system%start_time
       report%n_iterations = newton%n_iterations
       report%residuals = newton%residuals
+      if (model%control%has_condition) then
+         report%condition = scaled_condition(system%pattern, system%values)
+      end if
       report%n_cells = system%cells%n_cells
       report%n_nodes = system%cells%n_nodes
       report%n_dofs = system%dofs%n_dofs
