@@ -44,10 +44,10 @@ contains
       integer, intent(in) :: n
       !> Unknowns of every element.
       type(element_dofs_type), intent(in) :: elements
-      integer, allocatable :: user_start(:), user(:), place(:), rows(:)
+      integer, allocatable :: user_start(:), user(:), owner(:), place(:), rows(:)
       integer :: column, n_rows, i
 
-      call transpose_elements(elements, n, user_start, user)
+      call transpose_elements(elements, n, user_start, user, owner)
       call allocate_slots(pattern, elements)
       pattern%n = n
       allocate (pattern%column_start(n + 1), place(n), rows(n))
@@ -76,7 +76,7 @@ contains
 
          n_rows = 0
          do u = user_start(column), user_start(column + 1) - 1
-            e = user(u)
+            e = owner(user(u))
             do k = elements%start(e), elements%start(e + 1) - 1
                dof = elements%dof(k)
                if (dof == 0) cycle
@@ -92,17 +92,16 @@ contains
       !> Note where the values of all elements in this column go.
       subroutine fill_slots(column)
          integer, intent(in) :: column
-         integer :: u, e, first, m, local, k
+         integer :: u, e, first, m, next, k
 
          do u = user_start(column), user_start(column + 1) - 1
-            e = user(u)
+            e = owner(user(u))
             first = elements%start(e)
             m = elements%start(e + 1) - first
-            local = findloc(elements%dof(first:first + m - 1), column, dim=1)
-            do k = 1, m
-               if (elements%dof(first + k - 1) == 0) cycle
-               pattern%slot(pattern%slot_start(e) + (local - 1)*m + k - 1) = &
-                  place(elements%dof(first + k - 1))
+            next = pattern%slot_start(e) + (user(u) - first)*m
+            do k = first, first + m - 1
+               if (elements%dof(k) > 0) pattern%slot(next) = place(elements%dof(k))
+               next = next + 1
             end do
          end do
       end subroutine fill_slots
@@ -172,14 +171,15 @@ contains
       end do
    end subroutine multiply
 
-   !> For every unknown, the elements that couple it.
-   pure subroutine transpose_elements(elements, n, user_start, user)
+   !> For every unknown, its entries in the elements, and the element of every entry.
+   pure subroutine transpose_elements(elements, n, user_start, user, owner)
       type(element_dofs_type), intent(in) :: elements
       integer, intent(in) :: n
-      integer, allocatable, intent(out) :: user_start(:), user(:)
+      integer, allocatable, intent(out) :: user_start(:), user(:), owner(:)
       integer :: e, k, dof
 
       allocate (user_start(n + 1), source=0)
+      allocate (owner(size(elements%dof)))
       do k = 1, size(elements%dof)
          if (elements%dof(k) > 0) user_start(elements%dof(k)) = user_start(elements%dof(k)) + 1
       end do
@@ -190,10 +190,11 @@ contains
       allocate (user(user_start(n + 1) - 1))
       do e = elements%n_elements, 1, -1
          do k = elements%start(e), elements%start(e + 1) - 1
+            owner(k) = e
             dof = elements%dof(k)
             if (dof == 0) cycle
             user_start(dof) = user_start(dof) - 1
-            user(user_start(dof)) = e
+            user(user_start(dof)) = k
          end do
       end do
    end subroutine transpose_elements

@@ -18,7 +18,7 @@ module coulter_step_assembly
 
 contains
 
-   !> Internal force, boundary force and tangent at the current displacement increments.
+   !> Internal force, boundary force and, if needed, tangent at the current displacement increments.
    subroutine assemble(system, model, failed_point)
       !> System of the step; gets `internal`, `boundary` and `values`.
       type(system_type), intent(inout) :: system
@@ -32,11 +32,11 @@ contains
       system%boundary_reaction = 0.0_wp
       system%external = system%dead_load
       if (allocated(model%tiling)) then
-         system%values = system%ghost_values
+         if (system%needs_tangent) system%values = system%ghost_values
          call add_tiles(system, model, failed_point)
          if (failed_point == 0) call add_pressures(system, model)
       else
-         system%values = 0.0_wp
+         if (system%needs_tangent) system%values = 0.0_wp
          call add_points(system, model, failed_point)
          if (failed_point == 0) call add_stations(system, model)
       end if
@@ -145,13 +145,14 @@ contains
       end do
    end subroutine add_stations
 
-   !> Add the matrix of a cell to the tangent, transformed to masters if it has outer nodes.
+   !> Add the matrix of a cell to the tangent, if that is needed, transformed to masters if it has outer nodes.
    subroutine scatter(system, c, matrix)
       type(system_type), intent(inout) :: system
       integer, intent(in) :: c
       real(wp), intent(in) :: matrix(64)
       integer :: first, last
 
+      if (.not. system%needs_tangent) return
       first = system%transform_start(c)
       last = system%transform_start(c + 1) - 1
       if (last < first) then

@@ -97,6 +97,7 @@ contains
             call end_smoothness(newton, system, model)
          end if
       end do
+      system%needs_tangent = .true.
    end subroutine solve_newton
 
    !> First forces and tangent. With friction, contacts of the last step predict those of this one;
@@ -141,23 +142,47 @@ contains
       call evaluate(newton, system, model, newton%unknowns)
    end subroutine end_smoothness
 
-   !> Forces and tangent at given unknowns.
+   !> Forces and tangent at given unknowns; no tangent if the iteration should end there.
    subroutine evaluate(newton, system, model, unknowns)
       type(newton_type), intent(inout) :: newton
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: unknowns(:)
+
+      system%needs_tangent = .not. expects_end(newton, model)
+      call expand(system%dofs, unknowns, system%increment)
+      call evaluate_again(newton, system, model)
+   end subroutine evaluate
+
+   !> Forces, and tangent if needed, at the same unknowns.
+   subroutine evaluate_again(newton, system, model)
+      type(newton_type), intent(inout) :: newton
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
       integer :: failed_point
 
       call system%watch%start(phase_assemble)
       call system%forget_verdict()
-      call expand(system%dofs, unknowns, system%increment)
       call assemble(system, model, failed_point)
       call system%watch%stop()
       if (failed_point == 0) return
       newton%failure = "a material point is turned inside out or its law fails near (" &
          //to_text(model%points%position(:, failed_point))//")"//system%verdict_text()
-   end subroutine evaluate
+   end subroutine evaluate_again
+
+   !> Will the next residual be small enough, if the convergence is quadratic? Then the tangent will
+   !> not be needed.
+   pure function expects_end(newton, model) result(answer)
+      type(newton_type), intent(in) :: newton
+      type(model_type), intent(in) :: model
+      logical :: answer
+      integer :: n
+
+      n = size(newton%residuals)
+      answer = n > 2
+      if (answer) answer = newton%residuals(n)**3 &
+         < model%control%tolerance*newton%residuals(n - 1)**2
+   end function expects_end
 
    !> Residual relative to the internal or external force; 1 while both vanish. Penalty forces are
    !> left out of the reference: they would hide everything else (theory, section 1).
@@ -244,6 +269,11 @@ contains
       type(model_type), intent(in) :: model
       logical :: has_failed
 
+      if (.not. system%needs_tangent) then
+         system%needs_tangent = .true.
+         call evaluate_again(newton, system, model)
+         if (allocated(newton%failure)) return
+      end if
       call system%watch%start(phase_factorise)
       call system%solver%refresh(system%pattern, system%values, has_failed)
       call system%watch%start(phase_solve)

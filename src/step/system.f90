@@ -65,6 +65,8 @@ module coulter_step_system
       type(pattern_type) :: pattern
       !> Values of the tangent, shape (n_entries).
       real(wp), allocatable :: values(:)
+      !> Is the tangent assembled with the forces?
+      logical :: needs_tangent = .true.
       !> Direct solver.
       type(solver_type) :: solver
       !> Has the pattern of the last step been used again?

@@ -6,7 +6,7 @@ module coulter_step_tile_scatter
    use coulter_model, only: model_type
    use coulter_step_point_kernel, only: point_response_type, respond
    use coulter_step_system, only: system_type
-   use coulter_step_unknowns, only: condense, max_unknowns
+   use coulter_step_unknowns, only: condense, max_pairs
    implicit none(type, external)
    private
    public :: respond_tile, add_at_corners, scatter_tile
@@ -49,7 +49,7 @@ contains
       end do
    end subroutine add_at_corners
 
-   !> Add the matrix of a tile to the tangent.
+   !> Add the matrix of a tile to the tangent, if that is needed.
    subroutine scatter_tile(system, tile, stiffness)
       !> System of the step; gets `values`.
       type(system_type), intent(inout) :: system
@@ -57,12 +57,14 @@ contains
       integer, intent(in) :: tile
       !> Its matrix, shape (component, vertex, component, vertex).
       real(wp), intent(in) :: stiffness(2, 4, 2, 4)
-      real(wp) :: condensed(4*max_unknowns**2)
-      integer :: m
+      real(wp) :: condensed(4*max_pairs**2)
+      integer :: first, n
 
-      m = system%coupling%elements%start(tile + 1) - system%coupling%elements%start(tile)
-      call condense(system%coupling, tile, stiffness, m, condensed)
-      call add_element_matrix(system%pattern, tile, condensed(:m*m), system%values)
+      if (.not. system%needs_tangent) return
+      first = (system%coupling%elements%start(tile) + 1)/2
+      n = (system%coupling%elements%start(tile + 1) + 1)/2 - first
+      call condense(system%coupling%share(:, first:first + n - 1), stiffness, n, condensed)
+      call add_element_matrix(system%pattern, tile, condensed(:4*n*n), system%values)
    end subroutine scatter_tile
 
 end module coulter_step_tile_scatter

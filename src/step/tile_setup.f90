@@ -156,36 +156,38 @@ contains
    subroutine set_ghost_values(system, faces)
       type(system_type), intent(inout) :: system
       type(coupling_type), intent(in) :: faces
-      integer :: f, first, n
+      integer :: f, first, last
 
       if (allocated(system%ghost_values)) deallocate (system%ghost_values)
       allocate (system%ghost_values(system%pattern%n_entries), source=0.0_wp)
       do f = 1, system%ghost%n_faces
-         first = faces%elements%start(f)
-         n = faces%elements%start(f + 1) - first
+         first = (faces%elements%start(f) + 1)/2
+         last = (faces%elements%start(f + 1) - 1)/2
          call add_element_matrix(system%pattern, system%coupling%elements%n_elements + f, &
                                  system%ghost_stiffness(f)*face_matrix( &
-                                 n, faces%n_x(f), faces%share(:, first:first + n - 1)), &
+                                 last - first + 1, faces%share(:, first:last)), &
                                  system%ghost_values)
       end do
    end subroutine set_ghost_values
 
-   !> Matrix of a face in terms of its unknowns, columns first; components do not mix.
-   pure function face_matrix(n, n_x, share) result(matrix)
-      integer, intent(in) :: n, n_x
+   !> Matrix of a face in terms of its pairs of unknowns, columns first; components do not mix.
+   pure function face_matrix(n, share) result(matrix)
+      integer, intent(in) :: n
       real(wp), intent(in) :: share(6, n)
-      real(wp) :: matrix(n*n)
-      real(wp) :: half(6)
-      integer :: i, j
+      real(wp) :: matrix(4*n*n)
+      real(wp) :: half(6), square(2, n, 2, n), value
+      integer :: a, b
 
-      matrix = 0.0_wp
-      do j = 1, n
-         half = matmul(ghost_matrix(), share(:, j))
-         do i = 1, n
-            if (i <= n_x .neqv. j <= n_x) cycle
-            matrix(i + (j - 1)*n) = dot_product(share(:, i), half)
+      square = 0.0_wp
+      do b = 1, n
+         half = matmul(ghost_matrix(), share(:, b))
+         do a = 1, n
+            value = dot_product(share(:, a), half)
+            square(1, a, 1, b) = value
+            square(2, a, 2, b) = value
          end do
       end do
+      matrix = reshape(square, shape(matrix))
    end function face_matrix
 
    !> Share out the mass of the tiles to the nodes; only when there is a body force.

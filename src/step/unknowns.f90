@@ -6,19 +6,18 @@ module coulter_step_unknowns
    use coulter_step_dofs, only: dofs_type
    implicit none(type, external)
    private
-   public :: coupling_type, new_coupling, couple_vertices, condense, max_unknowns
+   public :: coupling_type, new_coupling, couple_vertices, condense, max_pairs
 
-   !> Most unknowns of one component that an element can couple: 4 vertices on 4 nodes that follow
-   !> 4 masters each.
-   integer, parameter :: max_unknowns = 64
+   !> Most pairs of unknowns that an element can couple: 4 vertices on 4 nodes that follow 4 masters
+   !> each.
+   integer, parameter :: max_pairs = 64
 
    !> Elements with their unknowns, and the shares by which their vertices hang on these.
    type :: coupling_type
-      !> Unknowns of every element: first those of the x component, then those of y.
+      !> Unknowns of every element, in pairs of an x and a y component; 0: held.
       type(element_dofs_type) :: elements
-      !> Number of x unknowns of every element, shape (n_elements).
-      integer, allocatable :: n_x(:)
-      !> Share of every unknown in the vertices of its element, shape (n_vertices, n_entries).
+      !> Share of every pair in the vertices of its element, shape (n_vertices, n_pairs); the first
+      !> pair of element e is (start(e) + 1)/2.
       real(wp), allocatable :: share(:, :)
    end type coupling_type
 
@@ -33,9 +32,9 @@ contains
       !> Vertices of each.
       integer, intent(in) :: n_vertices
 
-      allocate (coupling%elements%start(n_elements + 1), coupling%n_x(n_elements))
-      allocate (coupling%elements%dof(20*n_elements + 2*max_unknowns))
-      allocate (coupling%share(n_vertices, 20*n_elements + 2*max_unknowns))
+      allocate (coupling%elements%start(n_elements + 1))
+      allocate (coupling%elements%dof(20*n_elements + 2*max_pairs))
+      allocate (coupling%share(n_vertices, 10*n_elements + max_pairs))
       coupling%elements%start(1) = 1
    end subroutine new_coupling
 
@@ -49,95 +48,85 @@ contains
       integer, intent(in) :: node(:, :)
       !> Their shares; zeros couple nothing, shape as `node`.
       real(wp), intent(in) :: share(:, :)
-      integer :: e, first, next, component
+      integer :: e, first, next, v, k, j, dof(2), outer
 
       e = coupling%elements%n_elements + 1
-      call make_room(coupling, coupling%elements%start(e) + 2*max_unknowns)
-      first = coupling%elements%start(e)
+      call make_room(coupling, coupling%elements%start(e) + 2*max_pairs)
+      first = (coupling%elements%start(e) + 1)/2
       next = first
-      do component = 1, 2
-         call gather(coupling, dofs, component, node, share, next)
-         if (component == 1) coupling%n_x(e) = next - first
-      end do
-      coupling%elements%start(e + 1) = next
-      coupling%elements%n_elements = e
-   end subroutine couple_vertices
-
-   !> Matrix of an element in terms of its unknowns, columns first.
-   pure subroutine condense(coupling, e, matrix, n, condensed)
-      !> The elements.
-      type(coupling_type), intent(in) :: coupling
-      !> Number of the element.
-      integer, intent(in) :: e
-      !> Matrix in terms of its four vertices, shape (component, vertex, component, vertex).
-      real(wp), intent(in) :: matrix(2, 4, 2, 4)
-      !> Number of its unknowns.
-      integer, intent(in) :: n
-      !> Matrix in terms of its unknowns.
-      real(wp), intent(out) :: condensed(n, n)
-      real(wp) :: half(2, 4), half_x(4), half_y(4)
-      integer :: first, i, j, n_x, v, component
-
-      first = coupling%elements%start(e) - 1
-      n_x = coupling%n_x(e)
-      do j = 1, n
-         component = merge(1, 2, j <= n_x)
-         half = 0.0_wp
-         do v = 1, 4
-            half = half + coupling%share(v, first + j)*matrix(:, :, component, v)
-         end do
-         half_x = half(1, :)
-         half_y = half(2, :)
-         do i = 1, n_x
-            condensed(i, j) = sum(coupling%share(:4, first + i)*half_x)
-         end do
-         do i = n_x + 1, n
-            condensed(i, j) = sum(coupling%share(:4, first + i)*half_y)
-         end do
-      end do
-   end subroutine condense
-
-   !> Unknowns of one component; held nodes drop out, outer nodes are replaced by their masters.
-   pure subroutine gather(coupling, dofs, component, node, share, next)
-      type(coupling_type), intent(inout) :: coupling
-      type(dofs_type), intent(in) :: dofs
-      integer, intent(in) :: component, node(:, :)
-      real(wp), intent(in) :: share(:, :)
-      integer, intent(inout) :: next
-      integer :: first, v, k, j, dof
-
-      first = next
       do v = 1, size(node, 2)
          do k = 1, size(node, 1)
             if (.not. abs(share(k, v)) > 0.0_wp) cycle
-            dof = dofs%dof(component, node(k, v))
-            if (dof >= 0) then
+            dof = dofs%dof(:, node(k, v))
+            outer = -minval(dof)
+            if (outer <= 0) then
                call add_share(coupling, dof, share(k, v), v, first, next)
                cycle
             end if
             do j = 1, 4
-               call add_share(coupling, dofs%dof(component, dofs%master(j, -dof)), &
-                              share(k, v)*dofs%share(j, -dof), v, first, next)
+               call add_share(coupling, merge(dofs%dof(:, dofs%master(j, outer)), 0, dof < 0), &
+                              share(k, v)*dofs%share(j, outer), v, first, next)
             end do
          end do
       end do
-   end subroutine gather
+      coupling%elements%start(e + 1) = 2*next - 1
+      coupling%elements%n_elements = e
+   end subroutine couple_vertices
 
-   !> Let a vertex depend on an unknown, unless that is held. The unknowns of the element and
-   !> component stand from `first` to `next - 1`.
+   !> Matrix of an element in terms of its pairs of unknowns.
+   pure subroutine condense(share, matrix, n, condensed)
+      !> Number of pairs.
+      integer, intent(in) :: n
+      !> Their shares in the vertices.
+      real(wp), intent(in) :: share(4, n)
+      !> Matrix in terms of its four vertices, shape (component, vertex, component, vertex).
+      real(wp), intent(in) :: matrix(2, 4, 2, 4)
+      !> Matrix in terms of its unknowns, columns first, shape (2*n, 2*n) as (2*n, component, pair).
+      real(wp), intent(out) :: condensed(2*n, 2, n)
+      real(wp) :: half(2, n, 2, 4)
+      integer :: a, k, w
+
+      do w = 1, 4
+         do k = 1, 2
+            do a = 1, n
+               half(:, a, k, w) = matrix(:, 1, k, w)*share(1, a) + matrix(:, 2, k, w)*share(2, a) &
+                  + matrix(:, 3, k, w)*share(3, a) + matrix(:, 4, k, w)*share(4, a)
+            end do
+         end do
+      end do
+      call condense_columns(share, half, n, condensed)
+   end subroutine condense
+
+   !> The other half of `condense`: long contiguous rows.
+   pure subroutine condense_columns(share, half, n, condensed)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: share(4, n), half(2*n, 2, 4)
+      real(wp), intent(out) :: condensed(2*n, 2, n)
+      integer :: b, k
+
+      do b = 1, n
+         do k = 1, 2
+            condensed(:, k, b) = half(:, k, 1)*share(1, b) + half(:, k, 2)*share(2, b) &
+               + half(:, k, 3)*share(3, b) + half(:, k, 4)*share(4, b)
+         end do
+      end do
+   end subroutine condense_columns
+
+   !> Let a vertex depend on a pair of unknowns, unless both are held. The pairs of the element stand
+   !> from `first` to `next - 1`.
    pure subroutine add_share(coupling, dof, amount, vertex, first, next)
       type(coupling_type), intent(inout) :: coupling
-      integer, intent(in) :: dof, vertex, first
+      integer, intent(in) :: dof(2), vertex, first
       real(wp), intent(in) :: amount
       integer, intent(inout) :: next
       integer :: k
 
-      if (dof == 0) return
+      if (maxval(dof) == 0) return
       do k = first, next - 1
-         if (coupling%elements%dof(k) == dof) exit
+         if (all(coupling%elements%dof(2*k - 1:2*k) == dof)) exit
       end do
       if (k == next) then
-         coupling%elements%dof(k) = dof
+         coupling%elements%dof(2*k - 1:2*k) = dof
          coupling%share(:, k) = 0.0_wp
          next = next + 1
       end if
@@ -153,9 +142,9 @@ contains
 
       associate (old => size(coupling%elements%dof))
          if (old >= n) return
-         allocate (dof(2*n), share(size(coupling%share, 1), 2*n))
+         allocate (dof(2*n), share(size(coupling%share, 1), n))
          dof(:old) = coupling%elements%dof
-         share(:, :old) = coupling%share
+         share(:, :size(coupling%share, 2)) = coupling%share
       end associate
       call move_alloc(dof, coupling%elements%dof)
       call move_alloc(share, coupling%share)
