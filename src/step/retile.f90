@@ -14,7 +14,8 @@ module coulter_step_retile
    use coulter_points_outline, only: outline_type, trace_outline
    use coulter_points_retiling, only: tile_outline
    use coulter_points_tile_quality, only: is_distorted
-   use coulter_points_tiling, only: corner_gradients, new_tiling, tiling_type
+   use coulter_points_tiling, only: corner_gradients, new_tiling, remember_pulls, &
+      tiling_type
    use coulter_points_transfer, only: restore_area, transfer_points
    use coulter_step_report, only: add_warning
    use coulter_step_system, only: system_type
@@ -76,6 +77,10 @@ contains
       if (has_failed) return
       call transfer_points(points, tiling, owner, model%points, model%tiling, &
                            model%grid%smallest_spacing())
+      if (allocated(model%points%has_flowed)) then
+         allocate (points%has_flowed(points%n_points), source=.false.)
+         call remember_pulls(tiling)
+      end if
       call find_stresses(model, points, has_failed)
       if (has_failed) return
       call carry_held_edges(held, tiling, system%held_edges, model%tiling)
