@@ -6,7 +6,7 @@ module coulter_step_retile
    use coulter_base_text, only: to_text
    use coulter_boundary_contact, only: carry_contacts, carry_held_edges, held_edge_type
    use coulter_boundary_edge_load, only: carry_loaded_edges, loaded_edge_type
-   use coulter_boundary_segment, only: new_segment, segment_type
+   use coulter_boundary_trimming, only: is_near_face, trim_outline
    use coulter_law, only: law_response_type, law_visit_type, n_plane
    use coulter_model, only: model_type
    use coulter_model_observer, only: step_report_type
@@ -124,6 +124,7 @@ contains
          edge = model%grid%spacing/real(model%bodies(b)%points_per_cell, wp)
          call trace_outline(outline, model%tiling%position, edges_of(model, b), &
                             smallest_loop*product(edge))
+         call trim_outline(outline, model%boundaries, model%grid%smallest_spacing())
          call tile_outline(outline, model%grid%origin, edge, vertices)
          call settle_area(vertices, model, b)
          all_vertices = reshape([all_vertices, vertices], [2, 4, size(owner) + size(vertices, 3)])
@@ -188,25 +189,17 @@ contains
       logical, intent(out) :: is_free(:)
       type(tiling_type), intent(in) :: tiling
       type(model_type), intent(in) :: model
-      type(segment_type) :: segment
-      real(wp) :: offset(2), along, near
-      integer :: b, s, c
+      real(wp) :: near
+      integer :: b, c
 
       near = touching*model%grid%smallest_spacing()
       is_free = .false.
       is_free(tiling%outer_edge(1, :)) = .true.
       do b = 1, size(model%boundaries)
-         associate (vertices => model%boundaries(b)%vertices)
-            do s = 1, size(vertices, 2) - 1
-               call new_segment(segment, vertices(:, s), vertices(:, s + 1))
-               do c = 1, tiling%n_corners
-                  offset = tiling%position(:, c) - segment%first
-                  along = dot_product(segment%tangent, offset)
-                  if (abs(dot_product(segment%normal, offset)) <= near .and. along >= -near &
-                      .and. along <= segment%length + near) is_free(c) = .false.
-               end do
-            end do
-         end associate
+         do c = 1, tiling%n_corners
+            if (is_free(c)) is_free(c) = .not. is_near_face(model%boundaries(b), &
+                                                            tiling%position(:, c), near)
+         end do
       end do
    end subroutine find_free_corners
 
