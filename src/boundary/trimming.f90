@@ -1,7 +1,7 @@
 !> The outline of a body without what reaches behind walls and tools.
 !>
-!> New tiles fill the outline: what is left behind a face in it stays there for good, and a corner of
-!> a tool that its chords cut off sits inside the body (theory, section 8).
+!> New tiles fill the outline: what is left behind a face in it stays there for good, and a corner
+!> of a tool that its chords cut off sits inside the body (theory, section 8).
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_boundary_trimming
    use coulter_base_kinds, only: wp
