@@ -5,11 +5,11 @@ module coulter_command_line
    implicit none(type, external)
    private
    public :: command_type, read_command, write_usage
-   public :: task_run, task_check, task_help, task_version, task_deck_reference
+   public :: task_run, task_check, task_help, task_version, task_deck_reference, task_point
 
    !> What to do.
    integer, parameter :: task_run = 1, task_check = 2, task_help = 3, task_version = 4, &
-      task_deck_reference = 5
+      task_deck_reference = 5, task_point = 6
 
    !> A parsed command line.
    type :: command_type
@@ -42,7 +42,8 @@ contains
          if (allocated(error)) return
          k = k + 1
       end do
-      if (command%deck_path == "" .and. any(command%task == [task_run, task_check])) then
+      if (command%deck_path == "" &
+          .and. any(command%task == [task_run, task_check, task_point])) then
          call fatal_error(error, "no deck given; see coulter --help")
       end if
    end subroutine read_command
@@ -64,6 +65,12 @@ contains
          command%task = task_deck_reference
       case ("--check")
          command%task = task_check
+      case ("point")
+         if (k == 1) then
+            command%task = task_point
+         else
+            command%deck_path = text
+         end if
       case ("--quiet", "-q")
          command%is_quiet = .true.
       case ("--output", "-o")
@@ -98,9 +105,12 @@ contains
       !> Unit to write to.
       integer, intent(in) :: unit
 
-      write (unit, "(a)") "Usage: coulter [options] deck.nml", "", &
+      write (unit, "(a)") "Usage: coulter [options] deck.nml", &
+         "       coulter point [options] deck.nml", "", &
          "Computes how tools move through soil: implicit material point method with implicit", &
-         "boundaries. Reads a namelist deck and writes NAME.vtkhdf, which ParaView opens.", "", &
+         "boundaries. Reads a namelist deck and writes NAME.vtkhdf, which ParaView opens.", &
+         "`point` runs the laboratory tests on samples that the deck holds instead, and writes", &
+         "NAME_SAMPLE.csv.", "", &
          "  -o, --output DIR   where the results go (default: the current directory)", &
          "      --check        read and check the deck, report the scene, run nothing", &
          "  -q, --quiet        print nothing but errors", &

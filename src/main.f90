@@ -7,16 +7,19 @@ program main
    use coulter_base_process, only: blas_name, tune_process
    use coulter_base_terminal, only: is_terminal
    use coulter_command_line, only: command_type, read_command, task_check, task_deck_reference, &
-      task_help, task_version, write_usage
-   use coulter_deck, only: deck_type, describe_faults, read_deck, write_deck_reference
+      task_help, task_point, task_version, write_usage
+   use coulter_deck, only: deck_type, describe_faults, read_deck, read_test_plan, &
+      write_deck_reference
    use coulter_model, only: model_type
    use coulter_model_observer, only: scene_report_type
    use coulter_model_observer_list, only: observer_list_type
    use coulter_model_output, only: output_type
    use coulter_model_prepare, only: prepare_model
+   use coulter_point_tests, only: check_user_laws, run_plan
    use coulter_results, only: new_results, provenance_type, results_type
    use coulter_results_log_scene, only: write_scene
    use coulter_results_run_log, only: new_run_log, run_log_type
+   use coulter_sample, only: test_plan_type
    use coulter_step_run, only: describe_scene, run_model
    use coulter_version, only: build_type, compiler, compiler_flags, git_revision, version
    implicit none(type, external)
@@ -34,6 +37,8 @@ program main
          compiler//", "//build_type//", "//blas_name(), compiler_flags
    case (task_deck_reference)
       call write_deck_reference(output_unit)
+   case (task_point)
+      call test_samples()
    case default
       call compute()
    end select
@@ -70,6 +75,17 @@ contains
       end if
    end subroutine compute
 
+   !> Run the tests on samples.
+   subroutine test_samples()
+      type(test_plan_type) :: plan
+      type(error_type), allocatable :: error
+
+      call read_test_plan(command%deck_path, plan, error)
+      call stop_on(error, 2, "")
+      call run_plan(plan, command%directory, output_unit, command%is_quiet, error)
+      call stop_on(error, 1, "coulter: ")
+   end subroutine test_samples
+
    !> Print facts about the scene.
    subroutine report_scene(model)
       type(model_type), intent(in) :: model
@@ -78,7 +94,9 @@ contains
 
       call describe_scene(model, scene, error)
       call stop_on(error, 1, "coulter: ")
-      if (.not. command%is_quiet) call write_scene(output_unit, model, scene)
+      if (command%is_quiet) return
+      call write_scene(output_unit, model, scene)
+      call check_user_laws(model, output_unit)
    end subroutine report_scene
 
    !> Run the model; results and log watch it.

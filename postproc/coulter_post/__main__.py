@@ -1,4 +1,4 @@
-"""Command line: `python -m coulter_post figures|summary FILE`."""
+"""Command line: `python -m coulter_post figures|summary FILE`, `... point FILE...`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import figures
+from . import figures, samples
 from .fields import FIELDS
 from .results import Results
 
@@ -17,7 +17,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run a command; returns the exit status."""
     options = _parser().parse_args(arguments)
     try:
-        options.command(Results(options.file), options)
+        options.command(options)
     except (KeyError, OSError, ValueError) as error:
         print(f"coulter_post: {error.args[0] if error.args else error}", file=sys.stderr)
         return 1
@@ -37,11 +37,26 @@ def _parser() -> argparse.ArgumentParser:
 
     summary = commands.add_parser("summary", help="print a table of the steps")
     summary.add_argument("file", type=Path, help="results file")
-    summary.set_defaults(command=lambda results, _: print("\n".join(_summary(results))))
+    summary.set_defaults(
+        command=lambda options: print("\n".join(_summary(Results(options.file))))
+    )
+
+    point = commands.add_parser("point", help="draw tests on samples (coulter point) as PNG")
+    point.add_argument("files", type=Path, nargs="+", help="tables NAME_SAMPLE.csv, drawn together")
+    point.add_argument("--output", type=Path, help="the figure, default: the first table's name")
+    point.set_defaults(command=_draw_samples)
     return parser
 
 
-def _draw(results: Results, options: argparse.Namespace) -> None:
+def _draw_samples(options: argparse.Namespace) -> None:
+    path = options.output or options.files[0].with_suffix(".png")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    samples.draw([samples.Sample(file) for file in options.files]).savefig(path, dpi=150)
+    print(path)
+
+
+def _draw(options: argparse.Namespace) -> None:
+    results = Results(options.file)
     directory = options.output or results.path.parent
     directory.mkdir(parents=True, exist_ok=True)
     drawn = {

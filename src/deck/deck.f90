@@ -14,13 +14,16 @@ module coulter_deck
    use coulter_deck_loads, only: read_body_force, read_edge_loads, read_steps, read_tables
    use coulter_deck_names, only: check_names
    use coulter_deck_reference, only: write_deck_reference
+   use coulter_deck_samples, only: read_samples, read_stages
    use coulter_deck_scan, only: scan_deck
-   use coulter_deck_settings, only: read_control, read_grid, read_output, read_scene
+   use coulter_deck_settings, only: base_name, read_control, read_grid, read_output, read_scene
    use coulter_model, only: model_type
    use coulter_model_output, only: output_type
+   use coulter_sample, only: test_plan_type
    implicit none(type, external)
    private
    public :: deck_type, read_deck, parse_deck, describe_faults, write_deck_reference
+   public :: read_test_plan
 
 contains
 
@@ -84,5 +87,29 @@ contains
 
       if (deck%faults%n_faults > 0) call fatal_error(error, describe_faults(deck, deck%faults))
    end subroutine parse_deck
+
+   !> Read the tests on samples that a deck file holds; the scene that may stand beside them is left
+   !> alone.
+   subroutine read_test_plan(path, plan, error)
+      !> Path of the file.
+      character(len=*), intent(in) :: path
+      !> Laws, samples and stages.
+      type(test_plan_type), intent(out) :: plan
+      !> Set when the file cannot be read or the deck has faults: one line for each.
+      type(error_type), allocatable, intent(out) :: error
+      type(deck_type) :: deck
+      character(len=*), parameter :: needed(*) = [character(len=6) :: "law", "sample", "stage"]
+
+      call read_text(path, deck%text, error)
+      if (allocated(error)) return
+      deck%path = path
+      call scan_deck(deck)
+      call check_names(deck, needed)
+      plan%name = base_name(path)
+      call read_laws(deck, plan%laws)
+      call read_samples(deck, plan%samples)
+      call read_stages(deck, plan%stages)
+      if (deck%faults%n_faults > 0) call fatal_error(error, describe_faults(deck, deck%faults))
+   end subroutine read_test_plan
 
 end module coulter_deck

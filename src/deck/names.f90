@@ -13,13 +13,20 @@ module coulter_deck_names
 contains
 
    !> Note unknown, repeated and missing groups and variables.
-   pure subroutine check_names(deck)
+   pure subroutine check_names(deck, needed)
       !> Scanned deck.
       type(deck_type), intent(inout) :: deck
+      !> Groups that must be there, for decks that describe no scene.
+      character(len=*), intent(in), optional :: needed(:)
+      logical :: is_needed
       integer :: i
 
       do i = 1, size(group_rules)
-         call check_number(deck, trim(group_rules(i)%name), group_rules(i)%number)
+         associate (rule => group_rules(i))
+            is_needed = rule%number(:1) == "1"
+            if (present(needed)) is_needed = any(needed == rule%name)
+            call check_number(deck, trim(rule%name), rule%number, is_needed)
+         end associate
       end do
       do i = 1, size(deck%groups)
          if (is_group(deck%groups(i)%name)) then
@@ -35,16 +42,17 @@ contains
    end subroutine check_names
 
    !> Note a group that is missing or stands too often.
-   pure subroutine check_number(deck, name, number)
+   pure subroutine check_number(deck, name, number, is_needed)
       type(deck_type), intent(inout) :: deck
       character(len=*), intent(in) :: name
       !> How often it may stand, see `group_rule_type`.
       character(len=*), intent(in) :: number
+      logical, intent(in) :: is_needed
       integer, allocatable :: found(:)
       integer :: i
 
       call find_groups(deck, name, found)
-      if (size(found) == 0 .and. number(:1) == "1") then
+      if (size(found) == 0 .and. is_needed) then
          do i = 1, size(deck%groups)
             if (closest_name(deck%groups(i)%name, group_rules%name) == name) return
          end do

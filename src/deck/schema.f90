@@ -38,7 +38,7 @@ module coulter_deck_schema
       !> Default as written in a deck, `required`, or a remark in parentheses.
       character(len=20) :: default
       !> Conditions such as "> 0 <= 1", or the words of a choice; empty if all is allowed.
-      character(len=36) :: range
+      character(len=80) :: range
       !> What it means.
       character(len=110) :: meaning
    end type variable_rule_type
@@ -65,7 +65,10 @@ module coulter_deck_schema
                       "A factor over time, linear between its times and constant beyond."), &
       group_rule_type("steps", "1", "The load steps: either `count` or `end_times`."), &
       group_rule_type("control", "0 or 1", "How a load step is solved."), &
-      group_rule_type("output", "0 or 1", "When results are written, and how.")]
+      group_rule_type("output", "0 or 1", "When results are written, and how."), &
+      group_rule_type("sample", "any number", &
+                      "A soil sample for `coulter point`: one material point of a law."), &
+      group_rule_type("stage", "any number", "A stage of the test on a sample; they run in order.")]
 
    type(variable_rule_type), parameter :: scene_rules(*) = [ &
       variable_rule_type("scene", "title", "text", 1, 1, "", "(none)", "", &
@@ -234,9 +237,41 @@ module coulter_deck_schema
       variable_rule_type("output", "name", "text", 1, 1, "", "(name of deck)", "", &
          "base name of the result files")]
 
+   type(variable_rule_type), parameter :: sample_rules(*) = [ &
+      variable_rule_type("sample", "name", "text", 1, 1, "", required, "", &
+         "name by which stages refer to the sample"), &
+      variable_rule_type("sample", "law", "text", 1, 1, "", required, "", "name of its law"), &
+      variable_rule_type("sample", "initial_stress", "real", 4, 4, "stress", "4*0.0", "", &
+         "Cauchy stress xx, yy, zz, xy at the start, tension positive; y is the axis"), &
+      variable_rule_type("sample", "void_ratio", "real", 1, 1, "", "(none)", ">= 0", &
+         "void ratio at the start, to be reported along"), &
+      variable_rule_type("stage", "sample", "text", 1, 1, "", required, "", &
+         "name of the sample"), &
+      variable_rule_type("stage", "test", "choice", 1, 1, "", required, &
+         "oedometer triaxial undrained biaxial shear free", &
+         "held: lateral strain, lateral stress, volume, zz, lateral strain; or see `control`"), &
+      variable_rule_type("stage", "axial_strain", "real", 1, 1, "", "(or axial_stress)", "", &
+         "change of the logarithmic strain yy"), &
+      variable_rule_type("stage", "axial_stress", "real", 1, 1, "stress", "(or axial_strain)", "", &
+         "Cauchy stress yy to reach"), &
+      variable_rule_type("stage", "lateral_stress", "real", 1, 1, "stress", "(kept)", "", &
+         "triaxial: Cauchy stress xx = zz to reach; biaxial: xx"), &
+      variable_rule_type("stage", "shear_strain", "real", 1, 1, "", "(or shear_stress)", "", &
+         "shear: change of the shear strain, displacement along x over height"), &
+      variable_rule_type("stage", "shear_stress", "real", 1, 1, "stress", "(or shear_strain)", "", &
+         "shear: Cauchy stress xy to reach; shear keeps the axial stress unless one is given"), &
+      variable_rule_type("stage", "control", "text", 1, 1, "", "(free only)", "", &
+         "free: a letter each for xx, yy, zz, xy: `e` strain, `s` stress; such as 'sees'"), &
+      variable_rule_type("stage", "target", "real", 4, 4, "", "(free only)", "", &
+         "free: for each component the change of its strain, or the Cauchy stress to reach"), &
+      variable_rule_type("stage", "increments", "integer", 1, 1, "", "100", ">= 1 <= 1000000", &
+         "number of equal increments"), &
+      variable_rule_type("stage", "duration", "real", 1, 1, "time", "1.0", "> 0", &
+         "how long the stage takes")]
+
    !> All variables, group by group in the order of the groups.
    type(variable_rule_type), parameter :: variable_rules(*) = &
-      [scene_rules, body_rules, boundary_rules, step_rules, run_rules]
+      [scene_rules, body_rules, boundary_rules, step_rules, run_rules, sample_rules]
 
 contains
 

@@ -13,7 +13,7 @@ module coulter_deck_settings
    use coulter_model_output, only: output_type
    implicit none(type, external)
    private
-   public :: read_scene, read_grid, read_control, read_output
+   public :: read_scene, read_grid, read_control, read_output, base_name
 
    !> Positions farther away than this many cells have too few digits for tractions on walls.
    real(wp), parameter :: farthest_cell = 1.0e7_wp
@@ -162,6 +162,7 @@ contains
 
    !> "input/wedge.nml" -> "wedge".
    pure function base_name(path) result(name)
+      !> Path of a file.
       character(len=*), intent(in) :: path
       character(len=:), allocatable :: name
       integer :: dot

@@ -18,8 +18,9 @@ MAY_USE = {
     "points": {"base", "grid"},
     "boundary": BELOW_MODEL - {"boundary"},
     "model": BELOW_MODEL,
+    "sample": {"base", "algebra", "law"},
     "step": BELOW_MODEL | {"model"},
-    "deck": BELOW_MODEL | {"model"},
+    "deck": BELOW_MODEL | {"model", "sample"},
     "results": BELOW_MODEL | {"model"},
     "c_api": BELOW_MODEL | {"model", "step", "deck", "results"},
 }

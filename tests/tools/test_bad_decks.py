@@ -1,7 +1,8 @@
 """A faulty deck is rejected: one clear line per fault, exit status 2, nothing written.
 
 Each deck in tests/bad_decks begins with a comment `! expect: ...` per fault, in the order of the
-report: what the line must begin with after the name of the file, line number included.
+report: what the line must begin with after the name of the file, line number included. A line
+`! run: point` has `coulter point` read it.
 """
 import os
 import subprocess
@@ -16,7 +17,9 @@ DECKS = sorted((ROOT / "tests/bad_decks").glob("*.nml"))
 
 
 def run(deck, output):
-    return subprocess.run([PROGRAM, "--output", output, deck], timeout=60, capture_output=True,
+    is_point = deck.is_file() and b"\n! run: point\n" in deck.read_bytes()
+    command = [PROGRAM, *["point"] * is_point, "--output", output, deck]
+    return subprocess.run(command, timeout=60, capture_output=True,
                           text=True, errors="replace", check=False)
 
 
