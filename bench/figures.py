@@ -38,6 +38,8 @@ LOOKS = {
     "paper": ("mpm, implicit boundary of the paper", "#b45309", "^"),
     "penalty": ("mpm, penalty, delta = 0.05 h", "#d39b2a", "v"),
     "memory": ("mpm, penalty with memory", "#7a8f2a", "D"),
+    "gimp": ("gimp, penalty with memory", "#2f7d5b", "P"),
+    "gimp_fbar": ("gimp with F-bar, penalty with memory", "#7fbf9f", "*"),
     "kratos": ("Kratos, 2 x 2 points", "#8b1e5b", "x"),
     "kratos_10": ("Kratos, 2 x 2 points, penalty 10 E/h", "#d16ba5", "+"),
     "kratos_100": ("Kratos, 2 x 2 points, penalty 100 E/h", "#8b1e5b", "x"),

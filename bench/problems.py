@@ -22,6 +22,7 @@ class Scheme:
 
 
 MPM = "domains = 'mpm'"
+GIMP = "domains = 'gimp'"
 PENALTY = "formulation = 'penalty', band_ratio = 0.05, "
 SCHEMES = {
     "default": Scheme(),
@@ -29,6 +30,10 @@ SCHEMES = {
     "paper": Scheme(2, MPM, "formulation = 'implicit', ", bilateral=False),
     "penalty": Scheme(2, MPM, PENALTY, bilateral=False),
     "memory": Scheme(2, MPM, PENALTY + "memory = .true., ", bilateral=False),
+    "gimp": Scheme(2, GIMP, PENALTY + "memory = .true., ", bilateral=False),
+    "gimp_fbar": Scheme(
+        2, GIMP + ", volumetric = 'fbar'", PENALTY + "memory = .true., ", bilateral=False
+    ),
 }
 
 
@@ -289,7 +294,7 @@ PROBLEMS = {
         column_error,
         (4, 8, 16, 32, 64, 128),
         40,
-        ("default", "default_2x2", "paper"),
+        ("default", "default_2x2", "paper", "gimp"),
         (10,),
     ),
     "column_off": Problem(

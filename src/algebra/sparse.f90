@@ -6,7 +6,7 @@ module coulter_algebra_sparse
    implicit none(type, external)
    private
    public :: element_dofs_type, pattern_type, build_pattern, add_element_matrix, multiply
-   public :: find_mirror
+   public :: find_mirror, joined
 
    !> The unknowns that every element couples, in ragged rows.
    type :: element_dofs_type
@@ -107,6 +107,19 @@ contains
       end subroutine fill_slots
 
    end subroutine build_pattern
+
+   !> Elements of two lists in one.
+   pure function joined(first, second) result(both)
+      !> The lists.
+      type(element_dofs_type), intent(in) :: first, second
+      type(element_dofs_type) :: both
+      integer :: n
+
+      n = first%start(first%n_elements + 1) - 1
+      both%n_elements = first%n_elements + second%n_elements
+      both%start = [first%start(:first%n_elements), second%start(:second%n_elements + 1) + n]
+      both%dof = [first%dof(:n), second%dof(:second%start(second%n_elements + 1) - 1)]
+   end function joined
 
    !> Add a dense element matrix to the values of a sparse one.
    pure subroutine add_element_matrix(pattern, element, matrix, values)

@@ -145,7 +145,7 @@ contains
       call get_choice(deck, group, "formulation", choice)
       if (choice <= 2 .neqv. domains == domains_tiles) then
          call blame(deck, group, "formulation", "must be 'nitsche' or 'augmented' for domains =" &
-                    //" 'cpdi2', and 'implicit' or 'penalty' for 'mpm'")
+                    //" 'cpdi2', and 'implicit' or 'penalty' for the others")
       else if (choice <= 2) then
          boundary%formulation = merge(formulation_nitsche, formulation_augmented, choice == 1)
          boundary%band_ratio = merge(nitsche_band_ratio, augmented_band_ratio, choice == 1)
@@ -169,8 +169,8 @@ contains
          call blame(deck, group, "bilateral", "must be .true. unless kind = 'roller'")
       end if
       call read_friction(deck, group, boundary)
-      call refuse(deck, group, "gauss_points", "belongs to domains = 'mpm'")
-      call refuse(deck, group, "memory", "belongs to domains = 'mpm'; tiles need none")
+      call refuse(deck, group, "gauss_points", "belongs to 'implicit' and 'penalty'")
+      call refuse(deck, group, "memory", "belongs to 'implicit' and 'penalty'; tiles need none")
    end subroutine read_contact
 
    !> Shear on rollers.

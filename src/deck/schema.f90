@@ -110,7 +110,7 @@ module coulter_deck_schema
       variable_rule_type("body", "law", "text", 1, 1, "", required, "", "name of its law"), &
       variable_rule_type("body", "density", "real", 1, 1, "mass/volume", required, ">= 0", &
          "mass per volume of the undeformed body"), &
-      variable_rule_type("body", "points_per_cell", "integer", 1, 1, "", "(1, mpm: 2)", &
+      variable_rule_type("body", "points_per_cell", "integer", 1, 1, "", "(cpdi2: 1, else 2)", &
          ">= 1 <= 8", "material points per cell in each direction"), &
       variable_rule_type("body", "initial_stress", "real", 4, 4, "stress", "4*0.0", "", &
          "Cauchy stress xx, yy, zz, xy at the start, tension positive"), &
@@ -151,7 +151,7 @@ module coulter_deck_schema
          "name of the table that schedules the displacement; else proportional to time"), &
       variable_rule_type("boundary", "formulation", "choice", 1, 1, "", "(by domains)", &
          "nitsche augmented implicit penalty", "cpdi2: `nitsche`, or `augmented` Lagrangian; " &
-         //"mpm: `implicit`, the paper's K2 + K2^T + K3, or `penalty`, K3"), &
+         //"others: `implicit`, the paper's K2 + K2^T + K3, or `penalty`, K3"), &
       variable_rule_type("boundary", "bilateral", "logical", 1, 1, "", ".false.", "", &
          "cpdi2: is material that starts on the boundary held against pulling off?"), &
       variable_rule_type("boundary", "friction", "real", 1, 1, "", "0.0", ">= 0", &
@@ -166,9 +166,9 @@ module coulter_deck_schema
          "> 0 <= 1", "penalty band over the spacing: 0.1 nitsche, 0.02 augmented, " &
          //"5.0e-6 implicit (at most 0.01), penalty"), &
       variable_rule_type("boundary", "gauss_points", "integer", 1, 1, "", "(2)", ">= 1 <= 3", &
-         "mpm: per segment and cell; one misses uniform stress, more lock in bending"), &
+         "on points: per segment and cell; one misses uniform stress, more lock in bending"), &
       variable_rule_type("boundary", "memory", "logical", 1, 1, "", "(.false.)", "", &
-         "mpm: are tractions kept from step to step, so that held steps do not drift?"), &
+         "on points: are tractions kept from step to step, so that held steps do not drift?"), &
       variable_rule_type("boundary", "may_start_apart", "logical", 1, 1, "", ".false.", "", &
          "may the boundary start away from all material?")]
 
@@ -199,8 +199,10 @@ module coulter_deck_schema
          "time at the end of every step, increasing; the start is time 0")]
 
    type(variable_rule_type), parameter :: run_rules(*) = [ &
-      variable_rule_type("control", "domains", "choice", 1, 1, "", "'cpdi2'", "cpdi2 mpm", &
-         "points own polygons that tile the body, or are mere quadrature points"), &
+      variable_rule_type("control", "domains", "choice", 1, 1, "", "'cpdi2'", "cpdi2 gimp mpm", &
+         "points own polygons that tile the body, boxes, or are mere quadrature points"), &
+      variable_rule_type("control", "volumetric", "choice", 1, 1, "", "'standard'", &
+         "standard fbar", "`fbar`: a cell's points share volume changes; no locking"), &
       variable_rule_type("control", "hourglass", "real", 1, 1, "", "0.5", ">= 0 <= 1", &
          "cpdi2: stiffness against hourglass modes of tiles, 1 is exact for squares in bending"), &
       variable_rule_type("control", "ghost_penalty", "real", 1, 1, "", "1.0e-3", ">= 0 <= 0.1", &
@@ -223,9 +225,9 @@ module coulter_deck_schema
          "how often a failed step may be halved"), &
       variable_rule_type("control", "small_cells", "choice", 1, 1, "", "'aggregate'", &
          "keep drop aggregate", &
-         "cells with little material are kept, left out (mpm), or tied to the nearest full cell"), &
+         "cells with little material are kept, left out (points), or tied to the next full cell"), &
       variable_rule_type("control", "fill_tolerance", "real", 1, 1, "", "0.05", ">= 0 < 1", &
-         "share of a cell that is little material, for cells (mpm) or nodes (cpdi2)"), &
+         "share of a cell that is little material, for nodes (cpdi2) or cells (others)"), &
       variable_rule_type("output", "every", "integer", 1, 1, "", "1", ">= 1", &
          "write every so many steps; the last step is always written"), &
       variable_rule_type("output", "at_steps", "integer", 1, 1000, "", "(or every)", ">= 1", &

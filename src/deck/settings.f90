@@ -7,9 +7,8 @@ module coulter_deck_settings
    use coulter_deck_values, only: get_choice, get_list, get_value, is_given, refuse
    use coulter_grid, only: grid_type, new_grid
    use coulter_model, only: model_type
-   use coulter_model_control, only: control_type, domains_points, domains_tiles, &
-      small_cells_aggregate, small_cells_drop, &
-      small_cells_keep
+   use coulter_model_control, only: control_type, domains_boxes, domains_points, &
+      domains_tiles, small_cells_aggregate, small_cells_drop, small_cells_keep
    use coulter_model_output, only: output_type
    implicit none(type, external)
    private
@@ -78,7 +77,7 @@ contains
       type(control_type), intent(out) :: control
       integer, parameter :: treatments(*) = &
          [small_cells_keep, small_cells_drop, small_cells_aggregate]
-      integer, parameter :: domains(*) = [domains_tiles, domains_points]
+      integer, parameter :: domains(*) = [domains_tiles, domains_boxes, domains_points]
       integer :: group, choice
 
       control%domains = domains_tiles
@@ -96,6 +95,9 @@ contains
       call get_value(deck, group, "max_iterations", control%max_iterations)
       call get_value(deck, group, "max_halvings", control%max_halvings)
       call get_value(deck, group, "fill_tolerance", control%fill_tolerance)
+      choice = merge(2, 1, control%has_mean_volume)
+      call get_choice(deck, group, "volumetric", choice)
+      control%has_mean_volume = choice == 2
       choice = merge(1, 2, control%may_retile)
       call get_choice(deck, group, "retile", choice)
       control%may_retile = choice == 1
@@ -108,7 +110,11 @@ contains
       if (control%small_cells == small_cells_drop .and. control%domains == domains_tiles) then
          call blame(deck, group, "small_cells", "must be 'keep' or 'aggregate' for tiled domains")
       end if
-      if (control%domains == domains_points) then
+      if (control%has_mean_volume .and. control%domains == domains_tiles) then
+         call blame(deck, group, "volumetric", "must be 'standard' for tiled domains: with one" &
+                    //" point per cell they do not lock")
+      end if
+      if (control%domains /= domains_tiles) then
          call refuse(deck, group, "hourglass", "belongs to domains = 'cpdi2'")
          call refuse(deck, group, "ghost_penalty", "belongs to domains = 'cpdi2'")
          call refuse(deck, group, "retile", "belongs to domains = 'cpdi2'")

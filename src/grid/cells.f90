@@ -5,15 +5,16 @@
 module coulter_grid_cells
    use coulter_base_kinds, only: wp
    use coulter_grid, only: cell_nodes_2d, grid_type
+   use coulter_grid_box, only: box_reach
    implicit none(type, external)
    private
-   public :: cells_type, activate_cells, locate_points, number_nodes
+   public :: cells_type, activate_cells, locate_boxes, locate_points, number_nodes
 
    !> Active cells and nodes, numbered row by row.
    type :: cells_type
       !> Number of active cells.
       integer :: n_cells = 0
-      !> How many of them, the first ones, hold points.
+      !> How many of them, the first ones, hold points or parts of their boxes.
       integer :: n_with_points = 0
       !> Number of active nodes.
       integer :: n_nodes = 0
@@ -25,7 +26,7 @@ module coulter_grid_cells
       integer, allocatable :: node_index(:, :)
       !> First entry of every cell in `point`, shape (n_with_points + 1).
       integer, allocatable :: point_start(:)
-      !> Points ordered by cell, shape (n_points).
+      !> Points ordered by cell, shape (n_points); more if boxes reach into several cells.
       integer, allocatable :: point(:)
       !> Number of the active cell, or 0, at every cell of the window.
       integer, allocatable :: cell_at(:, :)
@@ -57,6 +58,38 @@ contains
       call number_cells(cells, grid, index)
       call sort_points(cells, index)
    end subroutine locate_points
+
+   !> Find the cells that the box of every point covers, and collect the boxes in every cell.
+   pure subroutine locate_boxes(cells, grid, position, box, first_outside)
+      !> Active cells to make; nodes are numbered later by `number_nodes`.
+      type(cells_type), intent(out) :: cells
+      !> Background grid.
+      type(grid_type), intent(in) :: grid
+      !> Positions of the points, inside the grid, and edges of their boxes, shape (2, n_points).
+      real(wp), intent(in) :: position(:, :), box(:, :)
+      !> First point that is outside the grid (or not a number), else 0; then nothing is made.
+      integer, intent(out) :: first_outside
+      integer :: home(2, size(position, 2)), index(2, 9*size(position, 2))
+      integer :: owner(9*size(position, 2)), first(2), last(2), p, i, j, n
+
+      call find_cells(grid, position, home, first_outside)
+      if (first_outside > 0) return
+      n = 0
+      do p = 1, size(position, 2)
+         call box_reach((position(:, p) - grid%origin)/grid%spacing - real(home(:, p) - 1, wp), &
+                        box(:, p)/grid%spacing, home(:, p), grid%n_cells, first, last)
+         do j = first(2), last(2)
+            do i = first(1), last(1)
+               n = n + 1
+               index(:, n) = home(:, p) + [i, j]
+               owner(n) = p
+            end do
+         end do
+      end do
+      call number_cells(cells, grid, index(:, :n))
+      call sort_points(cells, index(:, :n))
+      cells%point = owner(cells%point)
+   end subroutine locate_boxes
 
    !> Make the cells active that hold any of the given positions, without keeping who sits where.
    pure subroutine activate_cells(cells, grid, position, first_outside)

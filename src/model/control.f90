@@ -5,12 +5,14 @@ module coulter_model_control
    implicit none(type, external)
    private
    public :: schedule_type, control_type, small_cells_keep, small_cells_drop, small_cells_aggregate
-   public :: domains_points, domains_tiles
+   public :: domains_points, domains_tiles, domains_boxes
 
    !> The point is a quadrature point: standard material point method.
    integer, parameter :: domains_points = 1
    !> Domains are polygons that share their corners and tile the body (CPDI2).
    integer, parameter :: domains_tiles = 2
+   !> Domains are axis-aligned boxes that overlap or gape as they stretch (GIMP).
+   integer, parameter :: domains_boxes = 3
 
    !> Cells with little material are treated like all others.
    integer, parameter :: small_cells_keep = 1
@@ -29,6 +31,8 @@ module coulter_model_control
    type :: control_type
       !> What a point stands for: one of `domains_*`.
       integer :: domains = domains_points
+      !> Do the points of a cell share their volume change, against volumetric locking (F-bar)?
+      logical :: has_mean_volume = .false.
       !> Hourglass stiffness of tiles over the one that is exact for a square in bending.
       real(wp) :: hourglass_ratio = 0.5_wp
       !> Are bodies tiled anew when their tiles are distorted?

@@ -10,15 +10,14 @@ module coulter_step_accept
    use coulter_model, only: boundary_motion, model_type
    use coulter_points, only: point_state_type
    use coulter_points_tiling, only: tile_centroid
-   use coulter_step_hourglass, only: remember_hourglass
+   use coulter_step_patch_assembly, only: displacement_gradient, unit_gradient
+   use coulter_step_patches, only: functions_in_patch, most_patch_nodes, patch_functions_type, &
+      patches_type
    use coulter_step_point_kernel, only: deform_point
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
    public :: accept_step
-
-   !> Plastic strains of a step above this are flow.
-   real(wp), parameter :: least_flow = 1.0e-12_wp
 
 contains
 
@@ -38,6 +37,8 @@ contains
       allocate (moved, mold=model%points%position)
       if (allocated(model%tiling)) then
          call update_tiles(model, system, moved, failed_point)
+      else if (allocated(system%patches)) then
+         call update_patches(model, system, moved, failed_point)
       else
          call update_points(model, system, moved, failed_point)
       end if
@@ -50,7 +51,6 @@ contains
       model%points%displacement = model%points%displacement + moved
       model%points%position = model%points%position + moved
       if (allocated(model%tiling)) then
-         call remember_hourglass(model, system%map)
          model%tiling%position = model%tiling%position + system%map%increment
       end if
       call swap_states(model%points%converged, model%points%trial)
@@ -88,6 +88,40 @@ contains
       end do
       failed_point = 0
    end subroutine update_points
+
+   !> Trial state and motion of all points of patches.
+   subroutine update_patches(model, system, moved, failed_point)
+      type(model_type), intent(inout) :: model
+      type(system_type), intent(in) :: system
+      real(wp), intent(out) :: moved(:, :)
+      integer, intent(out) :: failed_point
+      type(patch_functions_type) :: functions
+      real(wp) :: increment(2, most_patch_nodes)
+      integer :: e, k, p
+      logical :: has_failed
+
+      associate (patches => system%patches)
+         do e = 1, patches%n
+            increment(:, :patches%n_nodes(e)) = &
+               system%increment(:, patches%node(:patches%n_nodes(e), e))
+            do k = patches%point_start(e), patches%point_start(e + 1) - 1
+               p = patches%point(k)
+               failed_point = p
+               call functions_in_patch(patches, model%grid, e, model%points%position(:, p), p, &
+                                       functions)
+               moved(:, p) = matmul(increment(:, functions%place(:functions%n)), &
+                                    functions%value(:functions%n))
+               has_failed = .not. model%grid%contains_position(model%points%position(:, p) &
+                                                               + moved(:, p))
+               if (has_failed) return
+               call update_point(model, system, p, unit_gradient, &
+                                 displacement_gradient(functions, increment), has_failed)
+               if (has_failed) return
+            end do
+         end do
+      end associate
+      failed_point = 0
+   end subroutine update_patches
 
    !> Trial state and motion of all tiles.
    subroutine update_tiles(model, system, moved, failed_point)
@@ -131,24 +165,35 @@ contains
                            volume_ratio, finger)
          has_failed = .not. volume_ratio > 0.0_wp
          if (has_failed) return
-         call log_strain_plane(finger, strain)
          visit = system%visit(p)
          visit%deformation = deformation
+         if (allocated(system%patches)) then
+            call share_volume_change(system%patches, p, finger, visit%deformation)
+         end if
+         call log_strain_plane(finger, strain)
          call item%law%update(visit, strain, old%law_state(:item%law%n_state, p), &
                               response, new%law_state(:item%law%n_state, p))
          has_failed = response%has_failed
          if (has_failed) return
          new%kirchhoff_stress(:, p) = response%stress
-         if (.not. item%law%is_elastic) then
-            call finger_of_log_strain_plane(response%strain, finger)
-            model%points%has_flowed(p) = any(abs(response%strain - strain) > least_flow)
-         end if
+         if (.not. item%law%is_elastic) call finger_of_log_strain_plane(response%strain, finger)
          new%elastic_finger(:, p) = finger
          new%deformation_gradient(:4, p) = &
             reshape(matmul(deformation, reshape(old%deformation_gradient(:4, p), [2, 2])), [4])
          new%deformation_gradient(5, p) = old%deformation_gradient(5, p)
       end associate
    end subroutine update_point
+
+   !> Let a point see the mean volume change of its patch, where patches share it.
+   pure subroutine share_volume_change(patches, p, finger, deformation)
+      type(patches_type), intent(in) :: patches
+      integer, intent(in) :: p
+      real(wp), intent(inout) :: finger(4), deformation(2, 2)
+
+      if (.not. allocated(patches%volume_scale)) return
+      finger([1, 2, 4]) = patches%volume_scale(p)*finger([1, 2, 4])
+      deformation = sqrt(patches%volume_scale(p))*deformation
+   end subroutine share_volume_change
 
    !> Exchange two states without copying.
    pure subroutine swap_states(first, second)

@@ -9,6 +9,7 @@ module coulter_step_assembly
    use coulter_model, only: boundary_motion, load_factor, model_type
    use coulter_step_body_field, only: add_body_field
    use coulter_step_edge_loads, only: add_pressures, add_tractions
+   use coulter_step_patch_assembly, only: add_patches
    use coulter_step_point_kernel, only: add_point
    use coulter_step_system, only: system_type
    use coulter_step_tile_assembly, only: add_tiles
@@ -37,7 +38,11 @@ contains
          if (failed_point == 0) call add_pressures(system, model)
       else
          if (system%needs_tangent) system%values = 0.0_wp
-         call add_points(system, model, failed_point)
+         if (allocated(system%patches)) then
+            call add_patches(system, model, failed_point)
+         else
+            call add_points(system, model, failed_point)
+         end if
          if (failed_point == 0) call add_stations(system, model)
       end if
    end subroutine assemble

@@ -12,6 +12,7 @@ module coulter_step_system
    use coulter_law, only: law_verdict_type, law_visit_type
    use coulter_step_dofs, only: dofs_type
    use coulter_step_ghost, only: ghost_type
+   use coulter_step_patches, only: patches_memory, patches_type
    use coulter_step_tile_map, only: tile_map_type
    use coulter_step_unknowns, only: coupling_type
    implicit none(type, external)
@@ -43,6 +44,9 @@ module coulter_step_system
       integer, allocatable :: transform_start(:)
       !> These transformations.
       real(wp), allocatable :: transform(:, :)
+      !> Points of cells that hang together beyond the nodes of their cells; only with boxes or
+      !> shared volume changes.
+      type(patches_type), allocatable :: patches
       !> For tiled bodies: where their corners sit in the grid.
       type(tile_map_type) :: map
       !> Contacts on their outer edges, and the edges that bilateral boundaries keep for good.
@@ -54,8 +58,6 @@ module coulter_step_system
       !> sticks, what slipped slips on, whatever the tractions; or, when nothing acted yet, with
       !> smooth contacts (theory, section 4).
       logical :: has_friction = .false., is_predicting = .false., is_smooth = .false.
-      !> Way of the fastest boundary since bodies were tiled, over the grid spacing.
-      real(wp) :: way_since_tiling = 0.0_wp
       !> Edges that carry loads for good.
       type(loaded_edge_type), allocatable :: loaded_edges(:)
       !> Stabilised cell faces, their stiffness, and what they add to the tangent.
@@ -178,6 +180,7 @@ contains
          + system%solver%factor_memory
       if (allocated(system%cells%point)) bytes = bytes + 4_long*int(size(system%cells%point), long)
       if (allocated(system%transform)) bytes = bytes + 8_long*int(size(system%transform), long)
+      if (allocated(system%patches)) bytes = bytes + patches_memory(system%patches)
       if (allocated(system%map%area)) then
          bytes = bytes + 8_long*int(10*size(system%map%area) + 8*size(system%map%shape, 2) &
                                     + size(system%coupling%share) + size(system%ghost_values), long)

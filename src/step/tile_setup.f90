@@ -1,7 +1,7 @@
 !> Setting up the system of a step for bodies whose domains tile them.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_tile_setup
-   use coulter_algebra_sparse, only: add_element_matrix, element_dofs_type
+   use coulter_algebra_sparse, only: add_element_matrix, joined
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: formulation_augmented
    use coulter_boundary_contact, only: build_contacts, find_held_edges, recall_contacts
@@ -139,18 +139,6 @@ contains
          call couple_vertices(faces, system%dofs, node, one)
       end do
    end subroutine couple_faces
-
-   !> Elements of two lists in one.
-   pure function joined(first, second) result(both)
-      type(element_dofs_type), intent(in) :: first, second
-      type(element_dofs_type) :: both
-      integer :: n
-
-      n = first%start(first%n_elements + 1) - 1
-      both%n_elements = first%n_elements + second%n_elements
-      both%start = [first%start(:first%n_elements), second%start(:second%n_elements + 1) + n]
-      both%dof = [first%dof(:n), second%dof(:second%start(second%n_elements + 1) - 1)]
-   end function joined
 
    !> What the stabilised faces add to the tangent: constant during the step.
    subroutine set_ghost_values(system, faces)
