@@ -11,6 +11,7 @@ module coulter_model_prepare
    use coulter_model, only: model_type
    use coulter_model_control, only: domains_tiles
    use coulter_points_seeding, only: seed_points, seed_tiles
+   use coulter_points_tiling, only: remember_pulls
    implicit none(type, external)
    private
    public :: prepare_model
@@ -252,10 +253,26 @@ contains
       else
          call seed_points(model%points, model%grid, model%bodies, n_state)
       end if
+      if (.not. all_are_elastic(model)) then
+         allocate (model%points%has_flowed(model%points%n_points), source=.false.)
+         if (allocated(model%tiling)) call remember_pulls(model%tiling)
+      end if
       do p = 1, model%points%n_points
          call start_point(model, p, model%bodies(model%points%body(p))%initial_stress)
       end do
    end subroutine seed_model
+
+   !> Does no law flow?
+   pure function all_are_elastic(model) result(answer)
+      type(model_type), intent(in) :: model
+      logical :: answer
+      integer :: i
+
+      answer = .true.
+      do i = 1, size(model%laws)
+         answer = answer .and. model%laws(i)%law%is_elastic
+      end do
+   end function all_are_elastic
 
    !> Initial state of a point that carries a stress.
    subroutine start_point(model, p, stress)

@@ -5,7 +5,7 @@ module coulter_points_outline
    use coulter_base_polygon, only: area_and_centroid
    implicit none(type, external)
    private
-   public :: outline_type, trace_outline, sharp_corners
+   public :: outline_type, trace_outline, sharp_corners, insert_corner, encloses
 
    !> Closed loops, material on the left, one after the other.
    type :: outline_type
@@ -15,6 +15,8 @@ module coulter_points_outline
       real(wp), allocatable :: corner(:, :)
       !> Corners after and before every corner, shape (n).
       integer, allocatable :: next(:), previous(:)
+      !> Must a corner be kept however little the outline turns there? Shape (n).
+      logical, allocatable :: is_feature(:)
    end type outline_type
 
 contains
@@ -60,6 +62,7 @@ contains
       outline%corner = outline%corner(:, :outline%n)
       outline%next = outline%next(:outline%n)
       outline%previous = outline%previous(:outline%n)
+      allocate (outline%is_feature(outline%n), source=.false.)
    end subroutine trace_outline
 
    !> First positions of a chain of unused edges, up to where it closes.
@@ -125,5 +128,46 @@ contains
       end do
       if (length > rest) place = outline%corner(:, c) + (place - outline%corner(:, c))*(rest/length)
    end function place_along
+
+   !> Put a new corner, the last in number, on the edge that starts at another.
+   pure subroutine insert_corner(outline, edge, position)
+      !> Outline that gets the corner.
+      type(outline_type), intent(inout) :: outline
+      !> Corner at which the edge starts.
+      integer, intent(in) :: edge
+      !> Position of the new corner, length units.
+      real(wp), intent(in) :: position(2)
+      integer :: after
+
+      after = outline%next(edge)
+      outline%n = outline%n + 1
+      outline%corner = reshape([outline%corner, position], [2, outline%n])
+      outline%next = [outline%next, after]
+      outline%previous = [outline%previous, edge]
+      outline%is_feature = [outline%is_feature, .false.]
+      outline%next(edge) = outline%n
+      outline%previous(after) = outline%n
+   end subroutine insert_corner
+
+   !> Does the outline run round a position?
+   pure function encloses(outline, position) result(answer)
+      !> The outline.
+      type(outline_type), intent(in) :: outline
+      !> The position, length units.
+      real(wp), intent(in) :: position(2)
+      logical :: answer
+      integer :: c, winding
+
+      winding = 0
+      do c = 1, outline%n
+         associate (a => outline%corner(:, c), b => outline%corner(:, outline%next(c)))
+            if ((a(2) > position(2)) .eqv. (b(2) > position(2))) cycle
+            if (position(1) < a(1) + (b(1) - a(1))*(position(2) - a(2))/(b(2) - a(2))) then
+               winding = winding + merge(1, -1, b(2) > a(2))
+            end if
+         end associate
+      end do
+      answer = winding > 0
+   end function encloses
 
 end module coulter_points_outline

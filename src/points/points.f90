@@ -40,6 +40,9 @@ module coulter_points
       real(wp), allocatable :: domain_size(:, :)
       !> Number of the body that owns the point, shape (n_points).
       integer, allocatable :: body(:)
+      !> Did the point flow plastically in the last step? Shape (n_points); unallocated where all
+      !> laws are elastic.
+      logical, allocatable :: has_flowed(:)
       !> State at the last accepted step.
       type(point_state_type) :: converged
       !> State of the current iteration.

@@ -7,7 +7,7 @@ module coulter_points_retiling
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: area_and_centroid, polygon_type
    use coulter_points_domains, only: add_domain, cut_domains, domain_list_type, weld_domains
-   use coulter_points_outline, only: outline_type, sharp_corners
+   use coulter_points_outline, only: encloses, outline_type, sharp_corners
    implicit none(type, external)
    private
    public :: tile_outline
@@ -126,6 +126,7 @@ contains
       integer :: c, node(2)
 
       turn = sharp_corners(outline, chord*h)
+      where (outline%is_feature) turn = huge(1.0_wp)
       do
          c = maxloc(turn, dim=1)
          if (turn(c) < sharp) exit
@@ -335,24 +336,5 @@ contains
       polygon%n = polygon%n + 1
       polygon%corner(:, polygon%n) = position
    end subroutine append
-
-   !> Does the outline run round a position?
-   pure function encloses(outline, position) result(answer)
-      type(outline_type), intent(in) :: outline
-      real(wp), intent(in) :: position(2)
-      logical :: answer
-      integer :: c, winding
-
-      winding = 0
-      do c = 1, outline%n
-         associate (a => outline%corner(:, c), b => outline%corner(:, outline%next(c)))
-            if ((a(2) > position(2)) .eqv. (b(2) > position(2))) cycle
-            if (position(1) < a(1) + (b(1) - a(1))*(position(2) - a(2))/(b(2) - a(2))) then
-               winding = winding + merge(1, -1, b(2) > a(2))
-            end if
-         end associate
-      end do
-      answer = winding > 0
-   end function encloses
 
 end module coulter_points_retiling

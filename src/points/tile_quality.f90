@@ -7,12 +7,14 @@ module coulter_points_tile_quality
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: corner_jacobians, aspect_ratio, relative_jacobian, is_distorted
+   public :: corner_jacobians, aspect_ratio, relative_jacobian, is_distorted, is_worn
 
    !> Tiles are distorted when the relative Jacobian of a corner is less than this, ...
    real(wp), parameter :: least_jacobian = 0.2_wp
    !> ... or when the aspect is more than this multiple of the first one.
    real(wp), parameter :: largest_aspect = 5.0_wp
+   !> The same for tiles that are no longer good.
+   real(wp), parameter :: worn_jacobian = 0.7_wp, worn_aspect = 2.0_wp
 
 contains
 
@@ -68,5 +70,14 @@ contains
 
       answer = worst_corner < least_jacobian .or. worst_aspect > largest_aspect
    end function is_distorted
+
+   !> Are tiles so far from their first shape that they are worth making anew where material flows?
+   pure function is_worn(worst_corner, worst_aspect) result(answer)
+      !> Least relative Jacobian, and largest aspect over the first one.
+      real(wp), intent(in) :: worst_corner, worst_aspect
+      logical :: answer
+
+      answer = worst_corner < worn_jacobian .or. worst_aspect > worn_aspect
+   end function is_worn
 
 end module coulter_points_tile_quality

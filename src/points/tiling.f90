@@ -12,7 +12,7 @@ module coulter_points_tiling
    implicit none(type, external)
    private
    public :: tiling_type, new_tiling, corner_gradients, corner_weights, tile_centroid, &
-      tile_outlines, measure_quality, nearest_outer_edge
+      current_hourglass, remember_pulls, tile_outlines, measure_quality, nearest_outer_edge
 
    !> Tiles and their corners; tile p is the domain of point p.
    type :: tiling_type
@@ -26,6 +26,9 @@ module coulter_points_tiling
       !> Hourglass vector of every undeformed tile: orthogonal to all linear fields, shape
       !> (4, n_points).
       real(wp), allocatable :: hourglass(:, :)
+      !> For tiles of laws that flow: hourglass force that is remembered, force per thickness, shape
+      !> (2, n_points), and its largest size, shape (n_points); unallocated where all are elastic.
+      real(wp), allocatable :: pull(:, :), largest_pull(:)
       !> Scaled Jacobians of the corners of every undeformed tile, shape (4, n_points).
       real(wp), allocatable :: first_jacobian(:, :)
       !> Aspect of every undeformed tile, shape (n_points).
@@ -65,6 +68,15 @@ contains
          end associate
       end do
    end subroutine new_tiling
+
+   !> Let tiles remember hourglass forces, none so far.
+   pure subroutine remember_pulls(tiling)
+      !> Tiling to equip.
+      type(tiling_type), intent(inout) :: tiling
+
+      allocate (tiling%pull(2, size(tiling%corner, 2)), source=0.0_wp)
+      allocate (tiling%largest_pull(size(tiling%corner, 2)), source=huge(1.0_wp))
+   end subroutine remember_pulls
 
    !> Gradients of the corner functions of a tile and its area:
    !> g_c = (y_{c+1} - y_{c-1}, x_{c-1} - x_{c+1})/(2 A).
@@ -184,19 +196,30 @@ contains
       end do
    end subroutine measure_quality
 
-   !> Gamma = (h - (h.X) g)/4 with h = (1, -1, 1, -1). In triangles it sees nothing: the shares of
-   !> the repeated corner cancel, the others vanish.
+   !> Hourglass vector of an undeformed tile.
    pure function hourglass_vector(corner) result(gamma)
       real(wp), intent(in) :: corner(2, 4)
       real(wp) :: gamma(4)
-      real(wp), parameter :: pattern(4) = [1.0_wp, -1.0_wp, 1.0_wp, -1.0_wp]
       real(wp) :: gradient(2, 4), area
 
       call corner_gradients(corner, gradient, area)
+      gamma = current_hourglass(corner, gradient)
+   end function hourglass_vector
+
+   !> Gamma = (h - (h.X) g)/4 with h = (1, -1, 1, -1), orthogonal to all linear fields. In triangles
+   !> it sees nothing: the shares of the repeated corner cancel, the others vanish.
+   pure function current_hourglass(corner, gradient) result(gamma)
+      !> Corners of the tile, counter-clockwise, length units.
+      real(wp), intent(in) :: corner(2, 4)
+      !> Gradients of its corner functions, per length.
+      real(wp), intent(in) :: gradient(2, 4)
+      real(wp) :: gamma(4)
+      real(wp), parameter :: pattern(4) = [1.0_wp, -1.0_wp, 1.0_wp, -1.0_wp]
+
       ! relative to the first corner, so that far from the origin no digits are lost
       gamma = 0.25_wp*(pattern &
                        - matmul(matmul(corner - spread(corner(:, 1), 2, 4), pattern), gradient))
-   end function hourglass_vector
+   end function current_hourglass
 
    !> Number the distinct corners in the order of their x coordinate.
    pure subroutine merge_corners(tiling, vertex, tolerance)

@@ -10,6 +10,7 @@ module coulter_step_accept
    use coulter_model, only: boundary_motion, model_type
    use coulter_points, only: point_state_type
    use coulter_points_tiling, only: tile_centroid
+   use coulter_step_hourglass, only: remember_hourglass
    use coulter_step_patch_assembly, only: displacement_gradient, unit_gradient
    use coulter_step_patches, only: functions_in_patch, most_patch_nodes, patch_functions_type, &
       patches_type
@@ -18,6 +19,9 @@ module coulter_step_accept
    implicit none(type, external)
    private
    public :: accept_step
+
+   !> Plastic strains of a step above this are flow.
+   real(wp), parameter :: least_flow = 1.0e-12_wp
 
 contains
 
@@ -51,6 +55,7 @@ contains
       model%points%displacement = model%points%displacement + moved
       model%points%position = model%points%position + moved
       if (allocated(model%tiling)) then
+         call remember_hourglass(model, system%map)
          model%tiling%position = model%tiling%position + system%map%increment
       end if
       call swap_states(model%points%converged, model%points%trial)
@@ -176,7 +181,10 @@ contains
          has_failed = response%has_failed
          if (has_failed) return
          new%kirchhoff_stress(:, p) = response%stress
-         if (.not. item%law%is_elastic) call finger_of_log_strain_plane(response%strain, finger)
+         if (.not. item%law%is_elastic) then
+            call finger_of_log_strain_plane(response%strain, finger)
+            model%points%has_flowed(p) = any(abs(response%strain - strain) > least_flow)
+         end if
          new%elastic_finger(:, p) = finger
          new%deformation_gradient(:4, p) = &
             reshape(matmul(deformation, reshape(old%deformation_gradient(:4, p), [2, 2])), [4])

@@ -6,15 +6,17 @@ module coulter_step_retile
    use coulter_base_text, only: to_text
    use coulter_boundary_contact, only: carry_contacts, carry_held_edges, held_edge_type
    use coulter_boundary_edge_load, only: carry_loaded_edges, loaded_edge_type
-   use coulter_boundary_segment, only: new_segment, segment_type
+   use coulter_boundary_motion, only: largest_shift
+   use coulter_boundary_trimming, only: is_near_face, trim_outline
    use coulter_law, only: law_response_type, law_visit_type, n_plane
-   use coulter_model, only: model_type
+   use coulter_model, only: boundary_motion, model_type
    use coulter_model_observer, only: step_report_type
    use coulter_points, only: points_type
    use coulter_points_outline, only: outline_type, trace_outline
    use coulter_points_retiling, only: tile_outline
-   use coulter_points_tile_quality, only: is_distorted
-   use coulter_points_tiling, only: corner_gradients, new_tiling, tiling_type
+   use coulter_points_tile_quality, only: is_distorted, is_worn
+   use coulter_points_tiling, only: corner_gradients, new_tiling, remember_pulls, &
+      tiling_type
    use coulter_points_transfer, only: restore_area, transfer_points
    use coulter_step_report, only: add_warning
    use coulter_step_system, only: system_type
@@ -28,12 +30,15 @@ module coulter_step_retile
    real(wp), parameter :: corner_tolerance = 1.0e-7_wp
    !> Corners of the outline this near to a face stay where they are, over the spacing.
    real(wp), parameter :: touching = 0.02_wp
+   !> Way of tools after which flowing bodies are tiled anew, over the spacing.
+   real(wp), parameter :: longest_way = 0.4_wp
    !> Largest shift of free corners that restores the area, over the spacing.
-   real(wp), parameter :: largest_shift = 0.05_wp
+   real(wp), parameter :: farthest_shift = 0.05_wp
 
 contains
 
-   !> Tile all bodies anew if the report of a step finds their tiles distorted, and say so.
+   !> Tile all bodies anew if the report of a step finds their tiles distorted, and say so; where
+   !> material flows, also each time that tools have gone some way and tiles are no longer good.
    subroutine retile_if_distorted(model, system, report)
       !> Scene at the end of the step.
       type(model_type), intent(inout) :: model
@@ -42,18 +47,54 @@ contains
       !> What happened in the step.
       type(step_report_type), intent(inout) :: report
       character(len=:), allocatable :: outcome
-      logical :: has_failed
+      real(wp) :: way
+      logical :: are_distorted, are_due, has_failed
 
-      if (.not. is_distorted(report%worst_corner, report%worst_aspect)) return
+      way = way_of_tools(model, system)/model%grid%smallest_spacing()
+      system%way_since_tiling = system%way_since_tiling + way
+      are_distorted = is_distorted(report%worst_corner, report%worst_aspect)
+      are_due = is_flowing(model) .and. system%way_since_tiling >= longest_way &
+         .and. is_worn(report%worst_corner, report%worst_aspect)
+      if (.not. (are_distorted .or. are_due)) return
       has_failed = .true.
       if (model%control%may_retile) call retile_model(model, system, has_failed)
       report%has_retiled = .not. has_failed
+      if (are_due .and. way > longest_way) then
+         call add_warning(report%warnings, "a boundary moves by "//to_text(way, 2) &
+                          //" cells in this step while material flows: forces are worth less" &
+                          //" than with steps of a fifth of a cell")
+      end if
+      if (.not. are_distorted) return
       outcome = "forces cannot be trusted"
       if (report%has_retiled) outcome = "the bodies have been tiled anew"
       call add_warning(report%warnings, "tiles were distorted (worst corner " &
                        //to_text(report%worst_corner, 2)//", worst aspect " &
                        //to_text(report%worst_aspect, 2)//", both 1 at first): "//outcome)
    end subroutine retile_if_distorted
+
+   !> How far the fastest boundary has moved in the step.
+   pure function way_of_tools(model, system) result(way)
+      type(model_type), intent(in) :: model
+      type(system_type), intent(in) :: system
+      real(wp) :: way
+      integer :: b
+
+      way = 0.0_wp
+      do b = 1, size(model%boundaries)
+         way = max(way, largest_shift(boundary_motion(model, b, system%start_time, &
+                                                      system%end_time), &
+                                      model%boundaries(b)%vertices))
+      end do
+   end function way_of_tools
+
+   !> Has any point flowed plastically in the step?
+   pure function is_flowing(model) result(answer)
+      type(model_type), intent(in) :: model
+      logical :: answer
+
+      answer = allocated(model%points%has_flowed)
+      if (answer) answer = any(model%points%has_flowed)
+   end function is_flowing
 
    !> Tile all bodies anew. Nothing changes when that cannot be done: two bodies share corners, or a
    !> new tile has no area or a state that its law refuses.
@@ -76,6 +117,10 @@ contains
       if (has_failed) return
       call transfer_points(points, tiling, owner, model%points, model%tiling, &
                            model%grid%smallest_spacing())
+      if (allocated(model%points%has_flowed)) then
+         allocate (points%has_flowed(points%n_points), source=.false.)
+         call remember_pulls(tiling)
+      end if
       call find_stresses(model, points, has_failed)
       if (has_failed) return
       call carry_held_edges(held, tiling, system%held_edges, model%tiling)
@@ -85,6 +130,7 @@ contains
       call carry_contacts(system%last_contacts, tiling, model%tiling)
       model%tiling = tiling
       model%points = points
+      system%way_since_tiling = 0.0_wp
    end subroutine retile_model
 
    !> Do tiles of different bodies share a corner?
@@ -119,6 +165,7 @@ contains
          edge = model%grid%spacing/real(model%bodies(b)%points_per_cell, wp)
          call trace_outline(outline, model%tiling%position, edges_of(model, b), &
                             smallest_loop*product(edge))
+         call trim_outline(outline, model%boundaries, model%grid%smallest_spacing())
          call tile_outline(outline, model%grid%origin, edge, vertices)
          call settle_area(vertices, model, b)
          all_vertices = reshape([all_vertices, vertices], [2, 4, size(owner) + size(vertices, 3)])
@@ -172,7 +219,7 @@ contains
       call new_tiling(tiling, vertices, corner_tolerance*h)
       allocate (is_free(tiling%n_corners))
       call find_free_corners(is_free, tiling, model)
-      call restore_area(tiling, is_free, total, largest_shift*h)
+      call restore_area(tiling, is_free, total, farthest_shift*h)
       do p = 1, size(vertices, 3)
          vertices(:, :, p) = tiling%position(:, tiling%corner(:, p))
       end do
@@ -183,25 +230,17 @@ contains
       logical, intent(out) :: is_free(:)
       type(tiling_type), intent(in) :: tiling
       type(model_type), intent(in) :: model
-      type(segment_type) :: segment
-      real(wp) :: offset(2), along, near
-      integer :: b, s, c
+      real(wp) :: near
+      integer :: b, c
 
       near = touching*model%grid%smallest_spacing()
       is_free = .false.
       is_free(tiling%outer_edge(1, :)) = .true.
       do b = 1, size(model%boundaries)
-         associate (vertices => model%boundaries(b)%vertices)
-            do s = 1, size(vertices, 2) - 1
-               call new_segment(segment, vertices(:, s), vertices(:, s + 1))
-               do c = 1, tiling%n_corners
-                  offset = tiling%position(:, c) - segment%first
-                  along = dot_product(segment%tangent, offset)
-                  if (abs(dot_product(segment%normal, offset)) <= near .and. along >= -near &
-                      .and. along <= segment%length + near) is_free(c) = .false.
-               end do
-            end do
-         end associate
+         do c = 1, tiling%n_corners
+            if (is_free(c)) is_free(c) = .not. is_near_face(model%boundaries(b), &
+                                                            tiling%position(:, c), near)
+         end do
       end do
    end subroutine find_free_corners
 

@@ -58,6 +58,8 @@ module coulter_step_system
       !> sticks, what slipped slips on, whatever the tractions; or, when nothing acted yet, with
       !> smooth contacts (theory, section 4).
       logical :: has_friction = .false., is_predicting = .false., is_smooth = .false.
+      !> Way of the fastest boundary since bodies were tiled, over the grid spacing.
+      real(wp) :: way_since_tiling = 0.0_wp
       !> Edges that carry loads for good.
       type(loaded_edge_type), allocatable :: loaded_edges(:)
       !> Stabilised cell faces, their stiffness, and what they add to the tangent.

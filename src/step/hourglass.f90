@@ -1,0 +1,128 @@
+!> Stiffness against the mode of a tile that its one point does not see.
+!>
+!> Elastic tiles have it in total form, from the undeformed tile. Where material flows that would
+!> grow without bound and add to limit loads: there it is incremental, with a memory that is capped
+!> (theory, sections 4 and 8).
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_step_hourglass
+   use coulter_base_kinds, only: wp
+   use coulter_model, only: model_type, point_moduli
+   use coulter_points_tiling, only: current_hourglass
+   use coulter_step_tile_map, only: tile_map_type
+   implicit none(type, external)
+   private
+   public :: add_hourglass, remember_hourglass
+
+   !> Largest force of a tile that flows, over its equivalent stress times the edge of a square of
+   !> its area.
+   real(wp), parameter :: cap_share = 0.1_wp
+
+contains
+
+   !> Add force and stiffness of a tile; both vanish for affine increments.
+   pure subroutine add_hourglass(model, map, tile, force, stiffness)
+      !> Scene at the start of the step.
+      type(model_type), intent(in) :: model
+      !> Map of the step with the increments of the corners.
+      type(tile_map_type), intent(in) :: map
+      !> Number of the tile.
+      integer, intent(in) :: tile
+      !> Forces on its vertices, shape (component, vertex).
+      real(wp), intent(inout) :: force(2, 4)
+      !> Its matrix, shape (component, vertex, component, vertex).
+      real(wp), intent(inout) :: stiffness(2, 4, 2, 4)
+      real(wp) :: vector(4), pull(2), slope(2, 2)
+      integer :: b, k
+
+      call find_pull(model, map, tile, vector, pull, slope)
+      do b = 1, 4
+         force(:, b) = force(:, b) + vector(b)*pull
+         do k = 1, 2
+            stiffness(1, :, k, b) = stiffness(1, :, k, b) + slope(1, k)*vector(b)*vector
+            stiffness(2, :, k, b) = stiffness(2, :, k, b) + slope(2, k)*vector(b)*vector
+         end do
+      end do
+   end subroutine add_hourglass
+
+   !> At the end of a step, before corners move: keep what tiles of flowing laws pull with, turned
+   !> with the tile, and cap those that flowed by their stress.
+   pure subroutine remember_hourglass(model, map)
+      !> Scene whose trial state is the one at the end of the step.
+      type(model_type), intent(inout) :: model
+      !> Map of the step with the increments of the corners.
+      type(tile_map_type), intent(in) :: map
+      real(wp) :: vector(4), pull(2), slope(2, 2), deformation(2, 2), angle
+      integer :: p
+
+      if (.not. allocated(model%tiling%pull)) return
+      do p = 1, model%points%n_points
+         if (model%laws(model%bodies(model%points%body(p))%law)%law%is_elastic) cycle
+         call find_pull(model, map, p, vector, pull, slope)
+         deformation = matmul(map%increment(:, model%tiling%corner(:, p)), &
+                              transpose(map%gradient(:, :, p)))
+         angle = atan2(deformation(2, 1) - deformation(1, 2), &
+                       2.0_wp + deformation(1, 1) + deformation(2, 2))
+         model%tiling%pull(:, p) = cos(angle)*pull + sin(angle)*[-pull(2), pull(1)]
+         model%tiling%largest_pull(p) = huge(1.0_wp)
+         if (model%points%has_flowed(p)) model%tiling%largest_pull(p) = cap_share &
+            *equivalent_stress(model%points%trial%kirchhoff_stress(:, p))*sqrt(map%area(p))
+      end do
+   end subroutine remember_hourglass
+
+   !> Force that stands on the vertices with the signs of a vector, and its derivative by the
+   !> amplitude of the mode in the increments: k Gamma.x with the vector of the undeformed tile, or
+   !> what is remembered plus k Gamma.du with that of the tile at the start of the step.
+   pure subroutine find_pull(model, map, tile, vector, pull, slope)
+      type(model_type), intent(in) :: model
+      type(tile_map_type), intent(in) :: map
+      integer, intent(in) :: tile
+      real(wp), intent(out) :: vector(4), pull(2), slope(2, 2)
+      real(wp) :: moved(2, 4), stiffness, size_of
+
+      stiffness = hourglass_stiffness(model, tile)
+      slope = stiffness*reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
+      associate (law => model%laws(model%bodies(model%points%body(tile))%law)%law, &
+                 tiling => model%tiling, corner => model%tiling%corner(:, tile))
+         moved = map%increment(:, corner)
+         if (law%is_elastic) then
+            vector = tiling%hourglass(:, tile)
+            ! relative to the first corner, so that far from the origin no digits are lost
+            pull = stiffness*matmul(tiling%position(:, corner) + moved &
+                                    - spread(tiling%position(:, corner(1)) + moved(:, 1), 2, 4), &
+                                    vector)
+            return
+         end if
+         vector = current_hourglass(tiling%position(:, corner), map%gradient(:, :, tile))
+         pull = tiling%pull(:, tile) + stiffness*matmul(moved, vector)
+         size_of = norm2(pull)
+         if (size_of <= tiling%largest_pull(tile)) return
+         pull = pull/size_of
+         slope = (slope - stiffness*spread(pull, 2, 2)*spread(pull, 1, 2)) &
+            *tiling%largest_pull(tile)/size_of
+         pull = tiling%largest_pull(tile)*pull
+      end associate
+   end subroutine find_pull
+
+   !> k_hg = e (8/3) G/(1 - nu) with nu = lambda/(2 (lambda + G)).
+   pure function hourglass_stiffness(model, tile) result(stiffness)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: tile
+      real(wp) :: stiffness
+      real(wp) :: lame_lambda, shear_modulus
+
+      call point_moduli(model, tile, lame_lambda, shear_modulus)
+      stiffness = model%control%hourglass_ratio*16.0_wp/3.0_wp*shear_modulus &
+         *(lame_lambda + shear_modulus)/(lame_lambda + 2.0_wp*shear_modulus)
+   end function hourglass_stiffness
+
+   !> Von Mises' equivalent stress: sqrt(3/2) times the norm of the deviator.
+   pure function equivalent_stress(stress) result(equivalent)
+      real(wp), intent(in) :: stress(4)
+      real(wp) :: equivalent
+      real(wp) :: deviator(3)
+
+      deviator = stress(:3) - sum(stress(:3))/3.0_wp
+      equivalent = sqrt(1.5_wp*(sum(deviator**2) + 2.0_wp*stress(4)**2))
+   end function equivalent_stress
+
+end module coulter_step_hourglass
