@@ -5,7 +5,7 @@ module coulter_base_polygon
    implicit none(type, external)
    private
    public :: polygon_type, clip_half_plane, clip_box, area_and_centroid, overlap_area
-   public :: polyline_distance
+   public :: polyline_distance, contains_point, distance_to_segment
 
    !> A polygon that can shrink and grow; corners beyond `n` are not meaningful.
    type :: polygon_type

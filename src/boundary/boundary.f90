@@ -62,6 +62,9 @@ module coulter_boundary
       real(wp) :: adhesion = 0.0_wp, shear_limit = huge(1.0_wp)
       !> Does what presses against it stick up to the largest shear, whatever the pressure?
       logical :: is_rough = .false.
+      !> Is it a rigid tool, whose sharp corners press on edges of bodies as well, and is that a
+      !> solid: a closed chain with the material outside?
+      logical :: is_tool = .false., is_solid = .false.
       !> Bulge of every segment: tangent of a quarter of the angle of an arc, positive when it runs
       !> counter-clockwise, shape (n_segments); unallocated if all are straight.
       real(wp), allocatable :: bulges(:)

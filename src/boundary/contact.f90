@@ -10,6 +10,7 @@ module coulter_boundary_contact
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
    use coulter_boundary_motion, only: largest_shift, motion_type, moved_by
    use coulter_boundary_segment, only: lies_on, new_segment, segment_type
+   use coulter_boundary_tip, only: covered_share, find_tips, tip_type
    use coulter_points_tiling, only: nearest_outer_edge, tiling_type
    implicit none(type, external)
    private
@@ -24,6 +25,10 @@ module coulter_boundary_contact
       integer :: tile = 0, vertex = 0
       !> Corner of the tiling at that vertex, and corner at the other end of the edge.
       integer :: corner = 0, other_corner = 0
+      !> Vertex at the other end of the edge; corner of the tool that presses on the edge between its
+      !> ends, 0 if the station is a corner of the tile; place of that on the edge at the start.
+      integer :: other_vertex = 0, tip = 0
+      real(wp) :: share = 0.0_wp
       !> Number of the outer edge, and which of its ends the station is: its identity from step to
       !> step.
       integer :: edge = 0, end_of_edge = 0
@@ -49,6 +54,11 @@ module coulter_boundary_contact
       !> Sign of its shear while it slips, 0 while it sticks; and in the last step.
       integer :: slip = 0, last_slip = 0
    end type contact_type
+
+   !> Sharp corners of one tool.
+   type :: tips_type
+      type(tip_type), allocatable :: item(:)
+   end type tips_type
 
    !> All stations of a step, ordered by tile.
    type :: contacts_type
@@ -160,12 +170,14 @@ contains
       type(held_edge_type), intent(in) :: held(:)
       !> Grid spacing.
       real(wp), intent(in) :: spacing
+      type(tips_type) :: tips(size(boundaries))
       real(wp) :: shift(size(boundaries)), largest_reach
       integer :: e, b, s
 
       allocate (contacts%item(64))
       do b = 1, size(boundaries)
          shift(b) = largest_shift(motion(b), boundaries(b)%vertices)
+         call find_tips(tips(b)%item, boundaries(b), tiling, spacing)
       end do
       largest_reach = reach*spacing + 2.0_wp*maxval([0.0_wp, shift])
       do e = 1, size(held)
@@ -175,8 +187,9 @@ contains
             do s = 1, size(boundaries(b)%vertices, 2) - 1
                if (held(e)%boundary == b .and. held(e)%segment /= s) cycle
                call meet(contacts, boundaries(b), b, s, motion(b), tiling, e, held(e), &
-                         largest_reach, deepest*spacing + shift(b))
+                         largest_reach, deepest*spacing + shift(b), tips(b)%item)
             end do
+            call press_tips(contacts, boundaries(b), b, motion(b), tiling, e, tips(b)%item)
          end do
       end do
    end subroutine build_contacts
@@ -204,7 +217,7 @@ contains
                if (last%item(j)%edge > new%edge) exit
                if (last%item(j)%end_of_edge /= new%end_of_edge) cycle
                if (last%item(j)%boundary /= new%boundary) cycle
-               if (last%item(j)%segment /= new%segment) cycle
+               if (last%item(j)%segment /= new%segment .or. last%item(j)%tip /= new%tip) cycle
                new%memory = last%item(j)%traction
                new%was_acting = last%item(j)%is_acting
                new%last_slip = last%item(j)%slip
@@ -260,7 +273,7 @@ contains
    end function lag_after
 
    !> Stations at both ends of an edge against one face.
-   pure subroutine meet(contacts, boundary, b, s, motion, tiling, e, held, reach, deepest)
+   pure subroutine meet(contacts, boundary, b, s, motion, tiling, e, held, reach, deepest, tips)
       type(contacts_type), intent(inout) :: contacts
       type(boundary_type), intent(in) :: boundary
       integer, intent(in) :: b, s, e
@@ -268,6 +281,7 @@ contains
       type(tiling_type), intent(in) :: tiling
       type(held_edge_type), intent(in) :: held
       real(wp), intent(in) :: reach, deepest
+      type(tip_type), intent(in) :: tips(:)
       type(contact_type) :: contact
       real(wp) :: weight(2)
       integer :: k
@@ -286,6 +300,8 @@ contains
       contact%is_bilateral = boundary%is_bilateral
       contact%is_fixed = boundary%kind == kind_fixed
       contact%rubs = boundary%has_friction() .and. .not. contact%is_fixed
+      weight = weight*covered_share(tips, boundary, s, e, tiling%position(:, &
+                                                               tiling%outer_edge(:2, e)))
       do k = 1, 2
          contact%weight = weight(k)
          if (.not. weight(k) > 0.0_wp) cycle
@@ -293,6 +309,58 @@ contains
          call append(contacts, contact)
       end do
    end subroutine meet
+
+   !> Stations where sharp corners of a tool press on an edge: in place of the parts of the edge that
+   !> their faces cover, half of each.
+   pure subroutine press_tips(contacts, boundary, b, motion, tiling, e, tips)
+      type(contacts_type), intent(inout) :: contacts
+      type(boundary_type), intent(in) :: boundary
+      integer, intent(in) :: b, e
+      type(motion_type), intent(in) :: motion
+      type(tiling_type), intent(in) :: tiling
+      type(tip_type), intent(in) :: tips(:)
+      type(contact_type) :: contact
+      real(wp) :: ends(2, 2), tip(2)
+      integer :: i
+
+      do i = 1, size(tips)
+         if (tips(i)%edge /= e) cycle
+         contact = contact_type(boundary=b, edge=e, tile=tiling%outer_edge(3, e), &
+                                tip=tips(i)%vertex, share=tips(i)%share, end_of_edge=1)
+         ends = tiling%position(:, tiling%outer_edge(:2, e))
+         contact%weight = tip_weight(boundary, tips, tips(i), ends)
+         if (.not. contact%weight > 0.0_wp) cycle
+         tip = moved_by(motion, boundary%vertices(:, tips(i)%vertex))
+         contact%face%first = tip
+         contact%rubs = boundary%has_friction()
+         call settle_end(contact, 1, tiling, motion, held_edge_type())
+         contact%inward = [-(ends(2, 2) - ends(2, 1)), ends(1, 2) - ends(1, 1)] &
+            /norm2(ends(:, 2) - ends(:, 1))
+         contact%lag = boundary%vertices(:, tips(i)%vertex) - tip
+         call append(contacts, contact)
+      end do
+   end subroutine press_tips
+
+   !> Half of what both faces at a sharp corner cover of an edge that they look at.
+   pure function tip_weight(boundary, tips, tip, ends) result(weight)
+      type(boundary_type), intent(in) :: boundary
+      type(tip_type), intent(in) :: tips(:), tip
+      real(wp), intent(in) :: ends(2, 2)
+      real(wp) :: weight
+      type(face_type) :: face
+      real(wp) :: facing(2)
+      integer :: k
+
+      weight = 0.0_wp
+      do k = 1, 2
+         associate (s => tip%faces(k))
+            call new_face(face, boundary%vertices(:, s), boundary%vertices(:, s + 1), &
+                          boundary%bulge(s))
+            call weigh(boundary, s, face, ends, huge(1.0_wp), huge(1.0_wp), facing)
+            weight = weight + maxval(facing)*covered_share(tips, boundary, s, tip%edge, ends)
+         end associate
+      end do
+   end function tip_weight
 
    !> What belongs to one end of the edge.
    pure subroutine settle_end(contact, k, tiling, motion, held)
@@ -307,6 +375,7 @@ contains
       contact%corner = tiling%outer_edge(k, contact%edge)
       contact%other_corner = tiling%outer_edge(3 - k, contact%edge)
       contact%vertex = findloc(tiling%corner(:, contact%tile), contact%corner, dim=1)
+      contact%other_vertex = findloc(tiling%corner(:, contact%tile), contact%other_corner, dim=1)
       contact%offset = tiling%position(:, contact%corner) - contact%face%first
       contact%other_offset = tiling%position(:, contact%other_corner) - contact%face%first
       contact%inward = contact%face%normal

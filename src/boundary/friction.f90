@@ -10,7 +10,7 @@ module coulter_boundary_friction
    use coulter_boundary_face, only: place_type
    implicit none(type, external)
    private
-   public :: friction_type, rub_type, press, rub, shear_capacity, friction_of
+   public :: friction_type, rub_type, press, rub, shear_capacity, friction_of, outer
 
    !> Shear that a face can carry.
    type :: friction_type
@@ -31,6 +31,8 @@ module coulter_boundary_friction
       real(wp) :: vector(2) = 0.0_wp, by_place(2, 2) = 0.0_wp, by_stress(2, 2) = 0.0_wp
       !> Sign of the traction while it slips, 0 while it sticks or is smooth.
       integer :: slip = 0
+      !> Does it stick?
+      logical :: sticks = .false.
    end type rub_type
 
 contains
@@ -91,7 +93,8 @@ contains
          else if (abs(stuck) > capacity) then
             answer%slip = nint(sign(1.0_wp, stuck))
          end if
-         if (answer%slip == 0) then
+         answer%sticks = answer%slip == 0
+         if (answer%sticks) then
             answer%traction(2) = stuck
             by_place = (penalty(2)*(1.0_wp - kappa*dot_product(n, lag)) &
                         - kappa*dot_product(n, material))*t
@@ -141,6 +144,7 @@ contains
 
    !> Dyadic product.
    pure function outer(first, second) result(product)
+      !> Its factors.
       real(wp), intent(in) :: first(2), second(2)
       real(wp) :: product(2, 2)
 

@@ -13,7 +13,7 @@ module coulter_deck_boundaries
    use coulter_model_control, only: domains_tiles
    implicit none(type, external)
    private
-   public :: read_fixities, read_boundaries
+   public :: read_fixities, read_boundaries, read_friction, read_motion, check_motion
 
    !> Widest band over the spacing at which the coupling term K2 is safe: at 0.1 Newton converges,
    !> to stresses that are wrong by a third (theory, section 3).
@@ -175,8 +175,11 @@ contains
 
    !> Shear on rollers.
    subroutine read_friction(deck, group, boundary)
+      !> Scanned deck, which notes faults.
       type(deck_type), intent(inout) :: deck
+      !> Number of the group in the deck.
       integer, intent(in) :: group
+      !> Boundary or tool whose shear is read.
       type(boundary_type), intent(inout) :: boundary
       integer :: i
 
@@ -237,8 +240,11 @@ contains
 
    !> Displacement of a boundary and its table.
    subroutine read_motion(deck, group, n_steps, boundary)
+      !> Scanned deck, which notes faults.
       type(deck_type), intent(inout) :: deck
+      !> Number of the group in the deck, and of load steps.
       integer, intent(in) :: group, n_steps
+      !> Boundary or tool whose motion is read.
       type(boundary_type), intent(inout) :: boundary
       real(wp) :: per_step(2)
 
@@ -252,9 +258,11 @@ contains
 
    !> Note variables of the motion that do not go together.
    subroutine check_motion(deck, group, kind)
+      !> Scanned deck, which notes faults.
       type(deck_type), intent(inout) :: deck
+      !> Number of the group in the deck.
       integer, intent(in) :: group
-      !> Number of the kind among the choices of the deck.
+      !> Number of the kind among the choices of the deck; 0 if there is none.
       integer, intent(in) :: kind
       logical :: has_total, has_per_step, has_table
 

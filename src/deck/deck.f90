@@ -17,6 +17,7 @@ module coulter_deck
    use coulter_deck_samples, only: read_samples, read_stages
    use coulter_deck_scan, only: scan_deck
    use coulter_deck_settings, only: base_name, read_control, read_grid, read_output, read_scene
+   use coulter_deck_tools, only: read_tools
    use coulter_model, only: model_type
    use coulter_model_output, only: output_type
    use coulter_sample, only: test_plan_type
@@ -83,6 +84,7 @@ contains
       call read_edge_loads(deck, model%control%domains, model%edge_loads)
       call read_fixities(deck, model%grid, model%fixities)
       call read_boundaries(deck, n_steps, model%control%domains, model%boundaries)
+      call read_tools(deck, n_steps, model%control%domains, model%boundaries)
       call read_output(deck, n_steps, output)
 
       if (deck%faults%n_faults > 0) call fatal_error(error, describe_faults(deck, deck%faults))

@@ -14,23 +14,27 @@ contains
 
    !> Number of the law, body or table to which a variable of this name refers; `number` keeps its
    !> value when the variable is absent or at fault.
-   subroutine get_reference(deck, group, variable, number)
+   subroutine get_reference(deck, group, variable, number, kind)
       !> Deck that notes faults.
       type(deck_type), intent(inout) :: deck
       !> Number of the group in the deck.
       integer, intent(in) :: group
-      !> Variable name, which is that of the group to which it refers.
+      !> Variable name, which is that of the group to which it refers unless `kind` is.
       character(len=*), intent(in) :: variable
       !> Number of the object among its kind, from 1.
       integer, intent(inout) :: number
+      !> Name of the group to which it refers.
+      character(len=*), intent(in), optional :: kind
       character(len=max_text), allocatable :: names(:)
-      character(len=:), allocatable :: name
+      character(len=:), allocatable :: name, group_name
       integer :: i
 
       name = ""
       call get_value(deck, group, variable, name)
       if (name == "") return
-      call find_names(deck, variable, names)
+      group_name = variable
+      if (present(kind)) group_name = kind
+      call find_names(deck, group_name, names)
       do i = 1, size(names)
          if (names(i) /= name) cycle
          number = i
@@ -38,7 +42,7 @@ contains
       end do
       ! the name that is meant may be one that could not be read
       if (any(names == "")) return
-      call blame(deck, group, variable, "is no "//variable//" of this deck" &
+      call blame(deck, group, variable, "is no "//group_name//" of this deck" &
                  //suggestion(name, names))
    end subroutine get_reference
 

@@ -58,6 +58,8 @@ module coulter_deck_schema
       group_rule_type("fixity", "any number", "Zero displacement at grid nodes."), &
       group_rule_type("boundary", "any number", &
                       "An implicit boundary: a polyline that need not match the grid."), &
+      group_rule_type("tool", "any number", &
+                      "A rigid tool that pushes and rubs, moves and turns; needs cpdi2."), &
       group_rule_type("edge_load", "any number", &
                       "A traction or pressure on edges of bodies; needs cpdi2."), &
       group_rule_type("body_force", "0 or 1", "A force per unit mass, such as gravity."), &
@@ -172,6 +174,53 @@ module coulter_deck_schema
       variable_rule_type("boundary", "may_start_apart", "logical", 1, 1, "", ".false.", "", &
          "may the boundary start away from all material?")]
 
+   type(variable_rule_type), parameter :: tool_rules(*) = [ &
+      variable_rule_type("tool", "name", "text", 1, 1, "", required, "", &
+         "name under which its force is reported"), &
+      variable_rule_type("tool", "shape", "choice", 1, 1, "", required, &
+         "polygon polyline circle rectangle wedge fluke", "rectangle: footing, blade or wall; " &
+         //"wedge: tip at `position`, back above; fluke: plate pointed at both ends"), &
+      variable_rule_type("tool", "vertices", "real", 4, 1000, "length", "(or file)", "", &
+         "polygon, polyline: corners x1, y1, x2, y2, ..., before `angle` and `position`"), &
+      variable_rule_type("tool", "file", "text", 1, 1, "", "(or vertices)", "", &
+         "polygon, polyline: file with a row x, y for every corner, beside the deck"), &
+      variable_rule_type("tool", "size", "real", 2, 2, "length", "(by shape)", "", &
+         "rectangle, wedge, fluke: width and height, or length and thickness"), &
+      variable_rule_type("tool", "radius", "real", 1, 1, "length", "(by shape)", "> 0", &
+         "circle: its radius"), &
+      variable_rule_type("tool", "position", "real", 2, 2, "length", "0.0, 0.0", "", &
+         "place of the origin of the shape: centre, tip, or middle of the lower side"), &
+      variable_rule_type("tool", "angle", "real", 1, 1, "degrees", "0.0", "", &
+         "angle by which the shape is turned about `position`, counter-clockwise"), &
+      variable_rule_type("tool", "rounding", "real", 1, 1, "length", "0.0", ">= 0", &
+         "polygon, rectangle, wedge, fluke: radius of convex corners"), &
+      variable_rule_type("tool", "inside", "logical", 1, 1, "", ".false.", "", &
+         "closed shapes: is the material inside?"), &
+      variable_rule_type("tool", "material_side", "choice", 1, 1, "", "'left'", "left right", &
+         "polyline: side of the material for one who walks along it"), &
+      variable_rule_type("tool", "displacement", "real", 2, 2, "length", "0.0, 0.0", "", &
+         "total displacement at a table value of 1"), &
+      variable_rule_type("tool", "displacement_per_step", "real", 2, 2, "length", "(none)", "", &
+         "the same per step, for `count` equal steps without table"), &
+      variable_rule_type("tool", "table", "text", 1, 1, "", "(ramp)", "", &
+         "name of the table that schedules the displacement; else proportional to time"), &
+      variable_rule_type("tool", "rotation", "real", 1, 1, "degrees", "0.0", "", &
+         "total rotation at a table value of 1, counter-clockwise"), &
+      variable_rule_type("tool", "rotation_table", "text", 1, 1, "", "(ramp)", "", &
+         "name of the table that schedules the rotation; else proportional to time"), &
+      variable_rule_type("tool", "pivot", "real", 2, 2, "length", "(position)", "", &
+         "centre of rotation and of moments at the start; moves with the displacement"), &
+      variable_rule_type("tool", "friction", "real", 1, 1, "", "0.0", ">= 0", &
+         "coefficient of Coulomb friction"), &
+      variable_rule_type("tool", "adhesion", "real", 1, 1, "stress", "0.0", ">= 0", &
+         "shear that it carries without pressure while in contact"), &
+      variable_rule_type("tool", "shear_limit", "real", 1, 1, "stress", "(none)", "> 0", &
+         "largest shear, such as a share of the undrained strength"), &
+      variable_rule_type("tool", "rough", "logical", 1, 1, "", ".false.", "", &
+         "does what presses on it stick, up to `shear_limit`?"), &
+      variable_rule_type("tool", "band_ratio", "real", 1, 1, "", "0.1", "> 0 <= 1", &
+         "penalty band over the spacing")]
+
    type(variable_rule_type), parameter :: step_rules(*) = [ &
       variable_rule_type("edge_load", "name", "text", 1, 1, "", required, "", &
          "name for messages"), &
@@ -273,7 +322,7 @@ module coulter_deck_schema
 
    !> All variables, group by group in the order of the groups.
    type(variable_rule_type), parameter :: variable_rules(*) = &
-      [scene_rules, body_rules, boundary_rules, step_rules, run_rules, sample_rules]
+      [scene_rules, body_rules, boundary_rules, tool_rules, step_rules, run_rules, sample_rules]
 
 contains
 

@@ -10,8 +10,10 @@ module coulter_step_contact_forces
    use coulter_boundary, only: boundary_type, formulation_augmented, formulation_nitsche
    use coulter_boundary_contact, only: contact_type
    use coulter_boundary_face, only: place_on, place_type
-   use coulter_boundary_friction, only: friction_of, friction_type, press, rub, rub_type
+   use coulter_boundary_friction, only: friction_of, friction_type, outer, press, rub, &
+      rub_type, shear_capacity
    use coulter_boundary_ibm, only: band_stiffness_factor
+   use coulter_boundary_tip, only: edge_place_type, place_on_edge
    use coulter_model, only: model_type, point_moduli
    use coulter_step_point_kernel, only: point_response_type
    use coulter_step_system, only: system_type
@@ -26,6 +28,8 @@ module coulter_step_contact_forces
    !> A face reaches this far beyond its ends, over the spacing: a corner that sits at an end must
    !> not come and go with round-off.
    real(wp), parameter :: end_slack = 0.05_wp
+   !> A tip may slide this far beyond the ends of its edge within a step, over the length of that.
+   real(wp), parameter :: tip_slack = 0.5_wp
 
 contains
 
@@ -39,7 +43,7 @@ contains
       !> Forces on the corners, shape (2, n_corners).
       real(wp), intent(inout) :: at_corners(:, :)
       type(point_response_type) :: response
-      real(wp) :: force(2, 4), stiffness(2, 4, 2, 4), before(2)
+      real(wp) :: force(2, 4), stiffness(2, 4, 2, 4), before(2, 4)
       integer :: k, tile
       logical :: has_failed
 
@@ -52,11 +56,11 @@ contains
                stiffness = 0.0_wp
                call respond_tile(system, model, tile, response, has_failed)
             end if
-            before = force(:, contact%vertex)
+            before = force
             call add_contact(system, model, contact, response, force, stiffness)
             associate (total => system%boundary_reaction(:, contact%boundary), &
                        length => system%loaded_length(contact%boundary))
-               total = total + before - force(:, contact%vertex)
+               total = total + sum(before - force, dim=2)
                if (contact%is_acting) length = length + contact%weight
             end associate
          end associate
@@ -75,30 +79,118 @@ contains
       type(contact_type), intent(inout) :: contact
       type(point_response_type), intent(in) :: response
       real(wp), intent(inout) :: force(2, 4), stiffness(2, 4, 2, 4)
-      type(place_type) :: place
+      type(edge_place_type) :: place
       type(rub_type) :: answer
-      real(wp) :: penalty(2), material(2), by_vertices(2, 2, 4), moved(2)
+      real(wp) :: penalty(2), material(2), by_vertices(2, 2, 4), moved(2, 2), lag(2), by_gap(2, 2)
 
-      moved = system%map%increment(:, contact%corner)
-      place = place_on(contact%face, contact%offset, moved)
+      moved = system%map%increment(:, [contact%corner, contact%other_corner])
+      if (contact%tip > 0) then
+         place = place_on_edge(reshape([contact%offset, contact%other_offset], [2, 2]) + moved)
+      else
+         place%place_type = place_on(contact%face, contact%offset, moved(:, 1))
+      end if
+      lag = contact%lag + (1.0_wp - contact%share)*moved(:, 1) + contact%share*moved(:, 2)
       penalty = penalties(model, contact)
       call find_material_traction(system, model, contact, response, material, by_vertices)
-      call press(answer, place, material, penalty(1))
-      contact%slip = 0
-      contact%is_acting = system%is_predicting .and. contact%was_acting
-      if (.not. contact%is_acting) contact%is_acting = acts( &
-          system, contact, place, answer%traction(1)/penalty(1), model%grid%smallest_spacing())
-      contact%traction = 0.0_wp
+      call press(answer, place%place_type, material, penalty(1))
+      by_gap = answer%by_place
+      call decide(system, model, contact, place, answer%traction(1)/penalty(1))
       if (.not. contact%is_acting) return
       if (contact%is_fixed) then
-         call rub(answer, place, material, penalty, contact%lag + moved, friction_type(), 0)
+         call rub(answer, place%place_type, material, penalty, lag, friction_type(), 0)
       else if (contact%rubs .and. .not. system%is_smooth) then
-         call rub_along(system, model%boundaries(contact%boundary), contact, place, material, &
-                        penalty, contact%lag + moved, answer)
+         call rub_along(system, model%boundaries(contact%boundary), contact, place%place_type, &
+                        material, penalty, lag, answer)
       end if
       contact%traction = answer%traction
-      call add_answer(contact, answer, by_vertices, force, stiffness)
+      if (contact%tip > 0) then
+         call add_tip(contact, place, answer, by_gap, turn_slope( &
+                      model%boundaries(contact%boundary), place, answer, material, penalty, lag), &
+                      by_vertices, force, stiffness)
+      else
+         call add_answer(contact, answer, by_vertices, force, stiffness)
+      end if
    end subroutine add_contact
+
+   !> Does the station act? A prediction keeps what acted in the last step.
+   subroutine decide(system, model, contact, place, overlap)
+      type(system_type), intent(in) :: system
+      type(model_type), intent(in) :: model
+      type(contact_type), intent(inout) :: contact
+      type(edge_place_type), intent(in) :: place
+      real(wp), intent(in) :: overlap
+
+      contact%slip = 0
+      contact%traction = 0.0_wp
+      contact%is_acting = system%is_predicting .and. contact%was_acting
+      if (contact%is_acting) return
+      if (contact%tip > 0) then
+         contact%is_acting = overlap < touching*model%grid%smallest_spacing() &
+            .and. abs(place%share - 0.5_wp) <= 0.5_wp + tip_slack
+      else
+         contact%is_acting = acts(system, contact, place%place_type, overlap, &
+                                  model%grid%smallest_spacing())
+      end if
+   end subroutine decide
+
+   !> Derivative of the traction by the angle of the edge that a tip presses on.
+   pure function turn_slope(boundary, place, answer, material, penalty, lag) result(slope)
+      type(boundary_type), intent(in) :: boundary
+      type(edge_place_type), intent(in) :: place
+      type(rub_type), intent(in) :: answer
+      real(wp), intent(in) :: material(2), penalty(2), lag(2)
+      real(wp) :: slope(2)
+      real(wp) :: across, along, capacity, by_normal
+
+      associate (n => place%normal, t => place%tangent)
+         ! the tip stays where it is: its foot has no component along the edge
+         across = -dot_product(t, material)
+         along = 0.0_wp
+         if (answer%slip /= 0) then
+            call shear_capacity(friction_of(boundary), answer%traction(1), capacity, by_normal)
+            along = real(answer%slip, wp)*by_normal*across
+         else if (answer%sticks) then
+            along = dot_product(n, material + penalty(2)*lag)
+         end if
+         slope = (across + answer%traction(2))*n + (along - answer%traction(1))*t
+      end associate
+   end function turn_slope
+
+   !> Add force and tangent of a tip, which both ends of its edge share. What sticks hangs on the
+   !> place where the tip was, all else on its foot.
+   pure subroutine add_tip(contact, place, answer, by_gap, by_angle, by_vertices, force, stiffness)
+      type(contact_type), intent(in) :: contact
+      type(edge_place_type), intent(in) :: place
+      type(rub_type), intent(in) :: answer
+      real(wp), intent(in) :: by_gap(2, 2), by_angle(2), by_vertices(2, 2, 4)
+      real(wp), intent(inout) :: force(2, 4), stiffness(2, 4, 2, 4)
+      real(wp), parameter :: sign_of(2) = [-1.0_wp, 1.0_wp]
+      real(wp) :: share(2), foot(2), held(2), slope(2, 2), block(2, 2)
+      integer :: v(2), r, c
+
+      v = [contact%vertex, contact%other_vertex]
+      share(2) = min(max(place%share, 0.0_wp), 1.0_wp)
+      share(1) = 1.0_wp - share(2)
+      slope = place%share_slope
+      if (abs(place%share - share(2)) > 0.0_wp) slope = 0.0_wp
+      ! the gap belongs to the line of the edge, not to a clamped foot
+      foot = [1.0_wp - place%share, place%share]
+      held = foot
+      if (answer%sticks) held = [1.0_wp - contact%share, contact%share]
+      do r = 1, 2
+         force(:, v(r)) = force(:, v(r)) + contact%weight*share(r)*answer%vector
+         do c = 1, 2
+            block = foot(c)*by_gap + held(c)*(answer%by_place - by_gap) &
+               + sign_of(c)/place%length*outer(by_angle, place%normal)
+            block = share(r)*block + sign_of(r)*outer(answer%vector, slope(:, c))
+            stiffness(:, v(r), :, v(c)) = stiffness(:, v(r), :, v(c)) + contact%weight*block
+         end do
+         do c = 1, 4
+            stiffness(:, v(r), :, c) = stiffness(:, v(r), :, c) &
+               + contact%weight*share(r)*matmul(answer%by_stress, by_vertices(:, :, c))
+         end do
+      end do
+   end subroutine add_tip
 
    !> Friction, and where the station will stick from now on.
    subroutine rub_along(system, boundary, contact, place, material, penalty, lag, answer)

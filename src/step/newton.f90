@@ -26,6 +26,8 @@ module coulter_step_newton
       logical :: is_limited_by_round_off = .false.
       !> Have the contacts of the last step predicted those of the first iteration?
       logical :: has_predicted = .false.
+      !> May a failure be due to smooth contacts at first?
+      logical :: may_begin_again = .false.
       !> Why there is no equilibrium; unallocated when there is.
       character(len=:), allocatable :: failure
       !> Displacement increments, their last correction, and the unbalanced force, shape (n_dofs).
@@ -75,12 +77,14 @@ contains
       do while (.not. allocated(newton%failure))
          call measure(newton, system)
          call judge(newton, model, is_done)
-         if (system%is_smooth .and. (is_done .or. is_near(newton))) then
+         if (allocated(newton%failure)) then
+            call begin_again(newton, system, model)
+            cycle
+         else if (system%is_smooth .and. (is_done .or. is_near(newton))) then
             call end_smoothness(newton, system, model)
             cycle
-         end if
-         if (is_done) then
-            if (round == model%control%n_augmentations .or. allocated(newton%failure)) exit
+         else if (is_done) then
+            if (round == model%control%n_augmentations) exit
             call augment_contacts(system, model, has_changed=is_done)
             if (.not. is_done) exit
             round = round + 1
@@ -93,9 +97,7 @@ contains
             call advance(newton, system, model)
             newton%n_iterations = newton%n_iterations + 1
          end if
-         if (allocated(newton%failure) .and. system%is_smooth) then
-            call end_smoothness(newton, system, model)
-         end if
+         call begin_again(newton, system, model)
       end do
       system%needs_tangent = .true.
    end subroutine solve_newton
@@ -111,6 +113,7 @@ contains
       if (system%has_friction) newton%has_predicted = &
          any(system%contacts%item(:system%contacts%n)%was_acting)
       system%is_smooth = system%has_friction .and. .not. newton%has_predicted
+      newton%may_begin_again = system%is_smooth
       system%is_predicting = newton%has_predicted
       call evaluate(newton, system, model, newton%unknowns)
       system%is_predicting = .false.
@@ -124,7 +127,7 @@ contains
       answer = newton%n_iterations > 0 .and. newton%residuals(size(newton%residuals)) < near
    end function is_near
 
-   !> Let contacts rub from now on; where smooth ones found no equilibrium, from the start.
+   !> Let contacts rub from now on.
    subroutine end_smoothness(newton, system, model)
       type(newton_type), intent(inout) :: newton
       type(system_type), intent(inout) :: system
@@ -132,15 +135,25 @@ contains
 
       system%is_smooth = .false.
       newton%residuals = newton%residuals(:newton%n_iterations)
-      if (allocated(newton%failure)) then
-         deallocate (newton%failure)
-         newton%unknowns = 0.0_wp
-         newton%n_iterations = 0
-         deallocate (newton%residuals)
-         allocate (newton%residuals(0))
-      end if
       call evaluate(newton, system, model, newton%unknowns)
    end subroutine end_smoothness
+
+   !> After a failure that began with smooth contacts, begin anew with contacts that stick: a body
+   !> may be held by them alone.
+   subroutine begin_again(newton, system, model)
+      type(newton_type), intent(inout) :: newton
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+
+      if (.not. (allocated(newton%failure) .and. newton%may_begin_again)) return
+      newton%may_begin_again = .false.
+      system%is_smooth = .false.
+      deallocate (newton%failure, newton%residuals)
+      allocate (newton%residuals(0))
+      newton%unknowns = 0.0_wp
+      newton%n_iterations = 0
+      call evaluate(newton, system, model, newton%unknowns)
+   end subroutine begin_again
 
    !> Forces and tangent at given unknowns; no tangent if the iteration should end there.
    subroutine evaluate(newton, system, model, unknowns)

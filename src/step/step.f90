@@ -8,6 +8,7 @@ module coulter_step
    use coulter_step_accept, only: accept_step
    use coulter_step_assembly, only: apply_dead_loads
    use coulter_step_newton, only: newton_type, solve_newton
+   use coulter_step_passage, only: check_passage
    use coulter_step_report, only: report_step
    use coulter_step_retile, only: retile_if_distorted
    use coulter_step_point_setup, only: find_participants, number_system
@@ -45,7 +46,8 @@ contains
          return
       end if
       call system%watch%start(phase_accept)
-      call accept_step(model, system, failure)
+      if (allocated(model%tiling)) call check_passage(model, system, failure)
+      if (.not. allocated(failure)) call accept_step(model, system, failure)
       if (.not. allocated(failure)) then
          call report_step(report, model, system, newton)
          call retile_if_distorted(model, system, report)

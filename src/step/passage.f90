@@ -1,0 +1,80 @@
+!> Finds corners of bodies that a step has taken through a tool.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_step_passage
+   use coulter_base_kinds, only: wp
+   use coulter_base_text, only: to_text
+   use coulter_boundary, only: boundary_type
+   use coulter_boundary_face, only: face_type, new_face, place_on, place_type
+   use coulter_boundary_motion, only: motion_type, moved_by
+   use coulter_model, only: boundary_motion, model_type
+   use coulter_step_system, only: system_type
+   implicit none(type, external)
+   private
+   public :: check_passage
+
+   !> Depth behind a face beyond which a corner has passed it, over the penalty band: overlaps of
+   !> contacts are smaller.
+   real(wp), parameter :: passed = 0.5_wp
+   !> Corners that cross a face nearer to its ends than this, over the spacing, slide round them.
+   real(wp), parameter :: near_end = 0.5_wp
+
+contains
+
+   !> Refuse a step that has taken a corner of a body through a face of a tool: it was too large for
+   !> a contact to see it.
+   pure subroutine check_passage(model, system, failure)
+      !> Scene at the start of the step.
+      type(model_type), intent(in) :: model
+      !> System in equilibrium.
+      type(system_type), intent(in) :: system
+      !> Which corner has passed which tool; unallocated when none has.
+      character(len=:), allocatable, intent(inout) :: failure
+      type(motion_type) :: motion
+      integer :: b, e
+
+      if (.not. any(model%boundaries%is_tool)) return
+      do b = 1, size(model%boundaries)
+         if (.not. model%boundaries(b)%is_tool) cycle
+         motion = boundary_motion(model, b, system%start_time, system%end_time)
+         do e = 1, size(model%tiling%outer_edge, 2)
+            associate (corner => model%tiling%outer_edge(1, e))
+               if (.not. has_passed(model%boundaries(b), motion, &
+                                    model%tiling%position(:, corner), &
+                                    system%map%increment(:, corner), &
+                                    model%grid%smallest_spacing())) cycle
+               failure = "a corner of a body near ("//to_text(model%tiling%position(:, corner)) &
+                  //") would pass through tool "//model%boundaries(b)%name
+               return
+            end associate
+         end do
+      end do
+   end subroutine check_passage
+
+   !> Does a corner cross a face from its front and end up behind it?
+   pure function has_passed(tool, motion, position, increment, spacing) result(answer)
+      type(boundary_type), intent(in) :: tool
+      type(motion_type), intent(in) :: motion
+      real(wp), intent(in) :: position(2), increment(2), spacing
+      logical :: answer
+      type(face_type) :: face
+      type(place_type) :: before, after
+      real(wp) :: depth, at
+      integer :: s
+
+      answer = .true.
+      depth = passed*tool%band_ratio*spacing
+      do s = 1, size(tool%vertices, 2) - 1
+         call new_face(face, moved_by(motion, tool%vertices(:, s)), &
+                       moved_by(motion, tool%vertices(:, s + 1)), tool%bulge(s))
+         after = place_on(face, position - face%first, increment)
+         if (after%gap > -depth) cycle
+         before = place_on(face, moved_by(motion, position) - face%first, [0.0_wp, 0.0_wp])
+         if (before%gap < -depth) cycle
+         at = (max(before%gap, 0.0_wp)*after%distance - min(after%gap, 0.0_wp)*before%distance) &
+            /(max(before%gap, 0.0_wp) - min(after%gap, 0.0_wp))
+         if (at > near_end*spacing .and. at < face%length - near_end*spacing) return
+      end do
+      answer = .false.
+   end function has_passed
+
+end module coulter_step_passage
