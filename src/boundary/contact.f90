@@ -25,8 +25,8 @@ module coulter_boundary_contact
       integer :: tile = 0, vertex = 0
       !> Corner of the tiling at that vertex, and corner at the other end of the edge.
       integer :: corner = 0, other_corner = 0
-      !> Vertex at the other end of the edge; corner of the tool that presses on the edge between its
-      !> ends, 0 if the station is a corner of the tile; place of that on the edge at the start.
+      !> Vertex at the other end of the edge; corner of the tool that presses between the ends, 0 if
+      !> the station is a corner of the tile; place of that on the edge at the start.
       integer :: other_vertex = 0, tip = 0
       real(wp) :: share = 0.0_wp
       !> Number of the outer edge, and which of its ends the station is: its identity from step to
@@ -310,8 +310,8 @@ contains
       end do
    end subroutine meet
 
-   !> Stations where sharp corners of a tool press on an edge: in place of the parts of the edge that
-   !> their faces cover, half of each.
+   !> Stations where sharp corners of a tool press on an edge: for half of what their faces cover of
+   !> it.
    pure subroutine press_tips(contacts, boundary, b, motion, tiling, e, tips)
       type(contacts_type), intent(inout) :: contacts
       type(boundary_type), intent(in) :: boundary

@@ -38,7 +38,8 @@ contains
       real(wp) :: shoulder
 
       shoulder = 0.5_wp*(size_of(1) - size_of(2))
-      corner(1, :) = [-0.5_wp*size_of(1), -shoulder, shoulder, 0.5_wp*size_of(1), shoulder, -shoulder]
+      corner(1, [1, 4]) = 0.5_wp*size_of(1)*[-1.0_wp, 1.0_wp]
+      corner(1, [2, 3, 5, 6]) = shoulder*[-1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp]
       corner(2, :) = 0.5_wp*size_of(2)*[0.0_wp, -1.0_wp, -1.0_wp, 0.0_wp, 1.0_wp, 1.0_wp]
    end function fluke_corners
 

@@ -192,6 +192,8 @@ contains
          if (size(list) > 0) call new_polygon(list, corner, message)
       case (polyline)
          if (size(list) > 0) call new_polyline(list, corner, message)
+      case default
+         ! the shape is at fault
       end select
       if (any(size_of <= 0.0_wp)) call blame(deck, group, "size", "must be > 0")
       if (message /= "") call blame(deck, group, "vertices", message)

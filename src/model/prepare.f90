@@ -132,19 +132,19 @@ contains
       do b = 1, size(model%boundaries)
          associate (boundary => model%boundaries(b))
             if (shortest_segment(boundary%vertices) <= 1.0e-9_wp*spacing) then
-               call blame_boundary(model, faults, b, "vertices", "two corners in a row coincide")
+               call blame("vertices", "two corners in a row coincide")
                cycle
             end if
             if ((boundary%formulation == formulation_implicit) &
                 .eqv. (model%control%domains == domains_tiles)) then
-               call blame_boundary(model, faults, b, "formulation", "does not suit the domains of the" &
+               call blame("formulation", "does not suit the domains of the" &
                                //" points: 'nitsche' or 'augmented' for tiles, else 'implicit'")
             else if (boundary%kind == kind_fixed .and. .not. boundary%is_bilateral &
                      .and. model%control%domains == domains_tiles) then
-               call blame_boundary(model, faults, b, "bilateral", "a fixed boundary must be bilateral")
+               call blame("bilateral", "a fixed boundary must be bilateral")
             end if
             if (is_too_soft(model, boundary)) then
-               call blame_boundary(model, faults, b, "", "band_ratio = "//to_text(boundary%band_ratio) &
+               call blame("", "band_ratio = "//to_text(boundary%band_ratio) &
                                //" is too wide for material that is nearly incompressible:" &
                                //" formulation 'implicit' needs a band_ratio of at most " &
                                //to_text(widest_yielding_band/largest_stiffness_ratio(model), 3))
@@ -157,28 +157,28 @@ contains
                               polyline_distance(boundary%vertices, regions(r)%vertices))
             end do
             if (distance <= spacing) cycle
-            call blame_boundary(model, faults, b, "", "touches no material: the nearest region is " &
+            call blame("", "touches no material: the nearest region is " &
                             //to_text(distance, 4)//" away, more than the grid spacing; set" &
                             //" may_start_apart if it meets material later")
          end associate
       end do
+
+   contains
+
+      !> Note a fault of the boundary, a wall or a tool; tools follow the walls.
+      subroutine blame(variable, message)
+         character(len=*), intent(in) :: variable, message
+
+         associate (is_tool => model%boundaries%is_tool)
+            if (is_tool(b)) then
+               call faults%add("tool", count(is_tool(:b)), variable, message)
+            else
+               call faults%add("boundary", count(.not. is_tool(:b)), variable, message)
+            end if
+         end associate
+      end subroutine blame
+
    end subroutine check_boundaries
-
-   !> Note a fault of a wall or a tool; tools follow the walls.
-   pure subroutine blame_boundary(model, faults, b, variable, message)
-      type(model_type), intent(in) :: model
-      type(fault_list_type), intent(inout) :: faults
-      integer, intent(in) :: b
-      character(len=*), intent(in) :: variable, message
-
-      associate (is_tool => model%boundaries%is_tool)
-         if (is_tool(b)) then
-            call faults%add("tool", count(is_tool(:b)), variable, message)
-         else
-            call faults%add("boundary", count(.not. is_tool(:b)), variable, message)
-         end if
-      end associate
-   end subroutine blame_boundary
 
    !> Is the band of the implicit boundary method too wide for nearly incompressible material?
    function is_too_soft(model, boundary) result(answer)
