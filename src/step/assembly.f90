@@ -150,7 +150,8 @@ contains
       end do
    end subroutine add_stations
 
-   !> Add the matrix of a cell to the tangent, if that is needed, transformed to masters if it has outer nodes.
+   !> Add the matrix of a cell to the tangent, if that is needed; transformed to masters if the cell
+   !> has outer nodes.
    subroutine scatter(system, c, matrix)
       type(system_type), intent(inout) :: system
       integer, intent(in) :: c

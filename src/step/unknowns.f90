@@ -112,8 +112,8 @@ contains
       end do
    end subroutine condense_columns
 
-   !> Let a vertex depend on a pair of unknowns, unless both are held. The pairs of the element stand
-   !> from `first` to `next - 1`.
+   !> Let a vertex depend on a pair of unknowns, unless both are held. The pairs of the element
+   !> stand from `first` to `next - 1`.
    pure subroutine add_share(coupling, dof, amount, vertex, first, next)
       type(coupling_type), intent(inout) :: coupling
       integer, intent(in) :: dof(2), vertex, first
