@@ -91,34 +91,42 @@ contains
       cells%point = owner(cells%point)
    end subroutine locate_boxes
 
-   !> Make the cells active that hold any of the given positions, without keeping who sits where.
-   pure subroutine activate_cells(cells, grid, position, first_outside)
+   !> Make the cells active that hold any of the given positions, without sorting these by cell.
+   pure subroutine activate_cells(cells, grid, position, index, first_outside)
       !> Active cells to make.
       type(cells_type), intent(out) :: cells
       !> Background grid.
       type(grid_type), intent(in) :: grid
       !> Positions inside the grid, shape (2, n).
       real(wp), intent(in) :: position(:, :)
+      !> Grid index of their cells, shape (2, n).
+      integer, intent(out) :: index(:, :)
       !> First position that is outside the grid (or not a number), else 0.
       integer, intent(out) :: first_outside
-      integer :: index(2, size(position, 2))
 
       call find_cells(grid, position, index, first_outside)
       if (first_outside == 0) call number_cells(cells, grid, index)
    end subroutine activate_cells
 
-   !> Grid index of the cell of every position.
+   !> Grid index of the cell of every position: `grid%cell_of` in constant size.
    pure subroutine find_cells(grid, position, index, first_outside)
       type(grid_type), intent(in) :: grid
       real(wp), intent(in) :: position(:, :)
       integer, intent(out) :: index(:, :)
       integer, intent(out) :: first_outside
-      integer :: p
+      real(wp) :: lower(2), upper(2), spacing(2)
+      integer :: p, i, n_cells(2)
 
+      lower = grid%origin
+      upper = grid%upper_corner()
+      spacing = grid%spacing
+      n_cells = grid%n_cells
       do p = 1, size(position, 2)
-         first_outside = p
-         if (.not. grid%contains_position(position(:, p))) return
-         index(:, p) = grid%cell_of(position(:, p))
+         do i = 1, 2
+            first_outside = p
+            if (.not. (position(i, p) >= lower(i) .and. position(i, p) <= upper(i))) return
+            index(i, p) = min(int((position(i, p) - lower(i))/spacing(i)) + 1, n_cells(i))
+         end do
       end do
       first_outside = 0
    end subroutine find_cells

@@ -52,20 +52,21 @@ contains
       type(grid_type), intent(in) :: grid
       !> First tile with a corner outside the grid, else 0; then nothing is made.
       integer, intent(out) :: first_outside
-      real(wp), allocatable :: inside(:, :), samples(:, :)
-      integer :: n_tiles
+      real(wp), allocatable :: places(:, :)
+      integer, allocatable :: index(:, :)
+      integer :: n
 
-      n_tiles = size(tiling%corner, 2)
-      call move_inside(tiling, inside)
-      call sample_tiles(tiling, samples)
-      call activate_cells(cells, grid, reshape([inside, samples], &
-                                               [2, size(inside, 2) + size(samples, 2)]), &
-                          first_outside)
+      n = tiling%n_corners
+      allocate (places(2, n + n_samples**2*size(tiling%corner, 2)))
+      allocate (index(2, size(places, 2)))
+      call move_inside(tiling, places(:, :n))
+      call sample_tiles(tiling, places(:, n + 1:))
+      call activate_cells(cells, grid, places, index, first_outside)
       if (first_outside > 0) return
       call number_nodes(cells)
       call measure_tiles(map, tiling)
-      call measure_fill(map, cells, grid, samples, n_tiles)
-      call map_corners(map, cells, tiling, grid, inside)
+      call measure_fill(map, cells, grid, index(:, n + 1:))
+      call map_corners(map, cells, tiling, grid, index(:, :n))
       call measure_nodes(map, cells, tiling, grid)
    end subroutine map_tiles
 
@@ -102,11 +103,11 @@ contains
    !> Corners, moved a little towards the tiles that they belong to.
    pure subroutine move_inside(tiling, inside)
       type(tiling_type), intent(in) :: tiling
-      real(wp), allocatable, intent(out) :: inside(:, :)
+      real(wp), intent(out) :: inside(:, :)
       real(wp) :: centre(2)
       integer :: owners(tiling%n_corners), p, k
 
-      allocate (inside(2, tiling%n_corners), source=0.0_wp)
+      inside = 0.0_wp
       owners = 0
       do p = 1, size(tiling%corner, 2)
          associate (corner => tiling%corner(:, p))
@@ -126,20 +127,23 @@ contains
    !> Nine samples in every tile, tile by tile.
    pure subroutine sample_tiles(tiling, samples)
       type(tiling_type), intent(in) :: tiling
-      real(wp), allocatable, intent(out) :: samples(:, :)
-      real(wp) :: local(2)
-      integer :: p, i, j, n
+      real(wp), intent(out) :: samples(:, :)
+      real(wp) :: share(4, n_samples**2), position(2, 4)
+      integer :: p, i, j, k, n
 
-      allocate (samples(2, n_samples**2*size(tiling%corner, 2)))
+      do j = 1, n_samples
+         do i = 1, n_samples
+            share(:, i + n_samples*(j - 1)) = &
+               shape_values_2d((real([i, j], wp) - 0.5_wp)/real(n_samples, wp))
+         end do
+      end do
       n = 0
       do p = 1, size(tiling%corner, 2)
-         do j = 1, n_samples
-            do i = 1, n_samples
-               n = n + 1
-               local = (real([i, j], wp) - 0.5_wp)/real(n_samples, wp)
-               samples(:, n) = matmul(tiling%position(:, tiling%corner(:, p)), &
-                                      shape_values_2d(local))
-            end do
+         position = tiling%position(:, tiling%corner(:, p))
+         do k = 1, n_samples**2
+            n = n + 1
+            samples(:, n) = position(:, 1)*share(1, k) + position(:, 2)*share(2, k) &
+               + position(:, 3)*share(3, k) + position(:, 4)*share(4, k)
          end do
       end do
    end subroutine sample_tiles
@@ -158,21 +162,21 @@ contains
    end subroutine measure_tiles
 
    !> Share of every cell that is filled.
-   pure subroutine measure_fill(map, cells, grid, samples, n_tiles)
+   pure subroutine measure_fill(map, cells, grid, index)
       type(tile_map_type), intent(inout) :: map
       type(cells_type), intent(in) :: cells
       type(grid_type), intent(in) :: grid
-      real(wp), intent(in) :: samples(:, :)
-      integer, intent(in) :: n_tiles
+      !> Grid index of the cells of all samples.
+      integer, intent(in) :: index(:, :)
       integer :: p, k, c, n
 
       allocate (map%fill(cells%n_cells), source=0.0_wp)
       allocate (map%tile_in_cell(cells%n_cells), source=0)
       n = 0
-      do p = 1, n_tiles
+      do p = 1, size(map%area)
          do k = 1, n_samples**2
             n = n + 1
-            c = cells%number_at(grid%cell_of(samples(:, n)))
+            c = cells%cell_at(index(1, n), index(2, n))
             map%fill(c) = map%fill(c) + map%area(p)/real(n_samples**2, wp)
             map%tile_in_cell(c) = p
          end do
@@ -181,18 +185,19 @@ contains
    end subroutine measure_fill
 
    !> Nodes and shape functions of all corners.
-   pure subroutine map_corners(map, cells, tiling, grid, inside)
+   pure subroutine map_corners(map, cells, tiling, grid, index)
       type(tile_map_type), intent(inout) :: map
       type(cells_type), intent(in) :: cells
       type(tiling_type), intent(in) :: tiling
       type(grid_type), intent(in) :: grid
-      real(wp), intent(in) :: inside(:, :)
+      !> Grid index of the cells of all corners.
+      integer, intent(in) :: index(:, :)
       integer :: k, c
 
       allocate (map%node(4, tiling%n_corners), map%shape(4, tiling%n_corners))
       allocate (map%increment(2, tiling%n_corners), source=0.0_wp)
       do k = 1, tiling%n_corners
-         c = cells%number_at(grid%cell_of(inside(:, k)))
+         c = cells%cell_at(index(1, k), index(2, k))
          map%node(:, k) = cells%node(:, c)
          map%shape(:, k) = shape_values_2d(cells%local_position(grid, c, tiling%position(:, k)))
          where (abs(map%shape(:, k)) < smallest_shape) map%shape(:, k) = 0.0_wp
