@@ -46,7 +46,7 @@ module coulter_step_newton
    !> share is 1e-7 or more when all bodies are held, and 1e-15 when one of them is free to move.
    real(wp), parameter :: smallest_pivot = 1.0e-12_wp
    !> Least, largest and first relative errors of corrections that are worth their price.
-   real(wp), parameter :: smallest_forcing = 1.0e-7_wp, largest_forcing = 1.0e-4_wp, &
+   real(wp), parameter :: smallest_forcing = 1.0e-8_wp, largest_forcing = 1.0e-4_wp, &
       first_forcing = 1.0e-6_wp
    !> Evaluations that a line search may take, and the fall of |G| that is enough.
    integer, parameter :: most_searches = 6
