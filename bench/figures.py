@@ -46,6 +46,7 @@ LOOKS = {
     "kratos_100_16": ("Kratos, 4 x 4 points, penalty 100 E/h", "#8b1e5b", "x"),
     "kratos_64": ("Kratos, 8 x 8 points, penalty 1000 E/h", "#d16ba5", "+"),
     "kratos_10_64": ("Kratos, 8 x 8 points, penalty 10 E/h", "#d16ba5", "+"),
+    "ample_octave": ("AMPLE in Octave, GIMP, 2 x 2 points", "#555555", "*"),
     "ample": ("AMPLE, GIMP: published error, no time", "#555555", ""),
 }
 
@@ -83,7 +84,7 @@ def draw_panel(axes: Axes, rows: list[dict], usual_steps: int, cost: str, factor
             color=colour,
             marker=marker,
             linestyle="--" if dashed else "-",
-            linewidth=1.0 if dashed or scheme.startswith("kratos") else 1.4,
+            linewidth=1.0 if dashed or scheme.startswith(("kratos", "ample")) else 1.4,
             fillstyle="none" if dashed else "full",
             label=f"{label}, {steps} step{'s' if steps > 1 else ''}",
         )

@@ -64,6 +64,8 @@ KRATOS = {
 }
 #: AMPLE 1.1 (GIMP, 2 x 2 points, 40 steps) on the column on grid lines, as published.
 AMPLE = {4: 4.133e-2, 8: 1.294e-2, 16: 3.6589e-3, 32: 1.0487e-3, 64: 4.3572e-4}
+#: Folder of AMPLE's functions, if it is there to be run by Octave.
+AMPLE_FOLDER = os.environ.get("COULTER_AMPLE", "")
 ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 
@@ -156,8 +158,7 @@ def kratos_runs(name: str, folder: Path, quick: bool, repeat: int) -> Iterator[R
 
 
 def run_kratos(name: str, peer: Peer, cells: int, folder: Path, repeat: int) -> Run:
-    """Cheapest of several runs of a driver."""
-    run = Run(name, peer.key, cells, peer.steps)
+    """Kratos on one grid."""
     told_driver = {
         "cells": cells,
         "steps": peer.steps,
@@ -167,6 +168,21 @@ def run_kratos(name: str, peer: Peer, cells: int, folder: Path, repeat: int) -> 
     }
     options = [word for key, value in told_driver.items() for word in (f"--{key}", value)]
     command = [KRATOS_PYTHON, BENCH / f"peers/kratos_{name}.py", *options]
+    return run_driver(Run(name, peer.key, cells, peer.steps), command, folder, repeat)
+
+
+def ample_runs(name: str, folder: Path, quick: bool, repeat: int) -> Iterator[Run]:
+    """AMPLE on the column, on the same processor."""
+    if name != "column" or not AMPLE_FOLDER:
+        return
+    for cells in (4, 8) if quick else (4, 8, 16, 32):
+        driver = ["octave-cli", "--no-gui", BENCH / "peers/ample_column.m", AMPLE_FOLDER]
+        run = Run(name, "ample_octave", cells, 40)
+        yield run_driver(run, [*driver, cells, run.steps], folder, repeat)
+
+
+def run_driver(run: Run, command: list, folder: Path, repeat: int) -> Run:
+    """Cheapest of several runs of a driver."""
     for k in range(repeat):
         try:
             done = subprocess.run(
@@ -183,7 +199,7 @@ def run_kratos(name: str, peer: Peer, cells: int, folder: Path, repeat: int) -> 
         found = [line for line in done.stdout.splitlines() if line.startswith("RESULT")]
         if done.returncode != 0 or not found:
             known = "does not converge" in done.stderr
-            run.note = done.stderr.strip().splitlines()[-1] if known else "Kratos stopped"
+            run.note = done.stderr.strip().splitlines()[-1] if known else "stopped"
             return run
         result = json.loads(found[-1].removeprefix("RESULT"))
         if run.cpu_s is None or result["cpu"] < run.cpu_s:
@@ -258,6 +274,12 @@ def main(arguments: list[str] | None = None) -> None:
                     print(told(run), flush=True)
                     runs.append(run)
                 for run in kratos_runs(name, Path(folder), given.quick, repeat) if peers else ():
+                    print(told(run), flush=True)
+                    runs.append(run)
+                ample = () if given.no_peers else ample_runs(
+                    name, Path(folder), given.quick, repeat
+                )
+                for run in ample:
                     print(told(run), flush=True)
                     runs.append(run)
                 runs += published_runs(name)
