@@ -6,7 +6,7 @@ module coulter_step
    use coulter_model, only: model_type
    use coulter_model_observer, only: phase_accept, phase_locate, phase_number, step_report_type
    use coulter_step_accept, only: accept_step
-   use coulter_step_assembly, only: apply_dead_loads
+   use coulter_step_assembly, only: apply_dead_loads, assemble
    use coulter_step_newton, only: newton_type, solve_newton
    use coulter_step_passage, only: check_passage
    use coulter_step_report, only: report_step
@@ -33,6 +33,7 @@ contains
       !> Why the step failed; unallocated when it succeeded.
       character(len=:), allocatable, intent(out) :: failure
       type(newton_type) :: newton
+      integer :: failed_point
 
       call system%forget_verdict()
       system%start_time = model%time
@@ -45,6 +46,8 @@ contains
          call move_alloc(newton%failure, failure)
          return
       end if
+      ! Newton's method leaves out the last tangent where it can
+      if (model%control%has_condition) call assemble(system, model, failed_point)
       call system%watch%start(phase_accept)
       if (allocated(model%tiling)) call check_passage(model, system, failure)
       if (.not. allocated(failure)) call accept_step(model, system, failure)
