@@ -4,7 +4,7 @@ module coulter_base_table
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: table_type, new_table
+   public :: table_type, new_table, is_increasing
 
    !> A factor that varies with time: linear between the given times, constant beyond them.
    type :: table_type
@@ -59,5 +59,14 @@ contains
       end do
       value = self%value(n)
    end function table_at
+
+   !> Is every number larger than the one before it?
+   pure function is_increasing(list)
+      !> Numbers to compare.
+      real(wp), intent(in) :: list(:)
+      logical :: is_increasing
+
+      is_increasing = all(list(2:) > list(:size(list) - 1))
+   end function is_increasing
 
 end module coulter_base_table

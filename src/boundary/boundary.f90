@@ -43,8 +43,13 @@ module coulter_boundary
       !> Total prescribed displacement at a table value of 1, length units. The boundary moves with
       !> it; a roller prescribes only the normal part.
       real(wp) :: displacement(2) = 0.0_wp
-      !> Number of the table that schedules the displacement; 0: proportional to time.
+      !> Number of the table that schedules the displacement; 0: it grows evenly over `ramp_phase`.
       integer :: table = 0
+      !> Phase over which displacement and rotation grow without a table.
+      integer :: ramp_phase = 1
+      !> First and last phase in which the boundary acts, and does it act now? It moves anyway.
+      integer :: first_phase = 1, last_phase = huge(1)
+      logical :: is_active = .true.
       !> Width delta of the Dirichlet band over the grid spacing h.
       real(wp) :: band_ratio = 5.0e-6_wp
       !> Gauss points per piece of segment in a cell: 1 to 3. Two are exact for uniform stress; one

@@ -101,7 +101,7 @@ contains
 
       allocate (held(size(tiling%outer_edge, 2)))
       do b = 1, size(boundaries)
-         if (.not. boundaries(b)%is_bilateral) cycle
+         if (.not. (boundaries(b)%is_bilateral .and. boundaries(b)%is_active)) cycle
          do s = 1, size(boundaries(b)%vertices, 2) - 1
             call new_segment(segment, boundaries(b)%vertices(:, s), &
                              boundaries(b)%vertices(:, s + 1))
@@ -182,6 +182,7 @@ contains
       largest_reach = reach*spacing + 2.0_wp*maxval([0.0_wp, shift])
       do e = 1, size(held)
          do b = 1, size(boundaries)
+            if (.not. boundaries(b)%is_active) cycle
             if (boundaries(b)%is_bilateral .neqv. held(e)%boundary == b) cycle
             if (held(e)%boundary /= 0 .and. held(e)%boundary /= b) cycle
             do s = 1, size(boundaries(b)%vertices, 2) - 1

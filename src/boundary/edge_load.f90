@@ -19,8 +19,12 @@ module coulter_boundary_edge_load
       !> Follower load: pressure on the deformed area, normal to it, positive when it pushes, stress
       !> units.
       real(wp) :: pressure = 0.0_wp
-      !> Number of the table that schedules the load; 0: proportional to time.
+      !> Number of the table that schedules the load; 0: it grows evenly over `ramp_phase`.
       integer :: table = 0
+      !> Phase over which the load grows without a table; 0: it acts in full from the start.
+      integer :: ramp_phase = 1
+      !> Last phase in which it acts in full; it is taken off evenly over the next.
+      integer :: last_phase = huge(1)
    end type edge_load_type
 
    !> An outer edge that carries a load for good.

@@ -98,6 +98,7 @@ contains
       allocate (stations%loaded_length(size(boundaries)), source=0.0_wp)
       allocate (stations%lost_length(size(boundaries)), source=0.0_wp)
       do b = 1, size(boundaries)
+         if (.not. boundaries(b)%is_active) cycle
          do s = 1, size(boundaries(b)%vertices, 2) - 1
             call new_segment(segment, boundaries(b)%vertices(:, s), &
                              boundaries(b)%vertices(:, s + 1))

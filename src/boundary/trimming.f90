@@ -41,7 +41,7 @@ contains
          end do
       end do
       do b = 1, size(boundaries)
-         if (boundaries(b)%is_bilateral) cycle
+         if (boundaries(b)%is_bilateral .or. .not. boundaries(b)%is_active) cycle
          do v = 1, size(boundaries(b)%vertices, 2)
             call add_vertex(outline, boundaries(b), v, spacing)
          end do
@@ -61,7 +61,7 @@ contains
       least = -deepest*spacing
       shift = 0.0_wp
       do b = 1, size(boundaries)
-         if (boundaries(b)%is_bilateral) cycle
+         if (boundaries(b)%is_bilateral .or. .not. boundaries(b)%is_active) cycle
          do s = 1, size(boundaries(b)%vertices, 2) - 1
             call find_place(boundaries(b), s, outline%corner(:, c), 0.0_wp, place)
             if (.not. (place%gap < 0.0_wp .and. place%gap > least)) cycle

@@ -4,6 +4,7 @@ module coulter_deck_bodies
    use coulter_base_error, only: error_type
    use coulter_base_kinds, only: wp
    use coulter_deck_document, only: blame, deck_type, find_groups
+   use coulter_deck_initial_stress, only: read_body_stress, read_stress_profiles
    use coulter_deck_outline, only: new_polygon
    use coulter_deck_references, only: check_unique_names, get_reference
    use coulter_deck_umat, only: read_umat
@@ -86,9 +87,10 @@ contains
             call get_value(deck, groups(i), "density", body%density)
             if (domains == domains_tiles) body%points_per_cell = 1
             call get_value(deck, groups(i), "points_per_cell", body%points_per_cell)
-            call get_value(deck, groups(i), "initial_stress", body%initial_stress)
+            call read_body_stress(deck, groups(i), body)
          end associate
       end do
+      call read_stress_profiles(deck, bodies)
       call read_regions(deck, groups, bodies)
    end subroutine read_bodies
 

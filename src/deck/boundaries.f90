@@ -4,16 +4,17 @@ module coulter_deck_boundaries
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: augmented_band_ratio, boundary_type, formulation_augmented, &
       formulation_implicit, formulation_nitsche, kind_fixed, kind_roller, nitsche_band_ratio
-   use coulter_deck_document, only: blame, deck_type, first_group, find_groups
+   use coulter_deck_document, only: blame, deck_type, find_groups
    use coulter_deck_outline, only: new_polyline
    use coulter_deck_references, only: check_unique_names, get_reference
+   use coulter_deck_schedule, only: n_equal_steps, read_acting_phases
    use coulter_deck_values, only: get_choice, get_list, get_value, is_given, refuse
    use coulter_grid, only: grid_type
    use coulter_model, only: fixity_type
-   use coulter_model_control, only: domains_tiles
+   use coulter_model_control, only: domains_tiles, schedule_type
    implicit none(type, external)
    private
-   public :: read_fixities, read_boundaries, read_friction, read_motion, check_motion
+   public :: read_fixities, read_boundaries, read_friction, read_motion
 
    !> Widest band over the spacing at which the coupling term K2 is safe: at 0.1 Newton converges,
    !> to stresses that are wrong by a third (theory, section 3).
@@ -46,6 +47,7 @@ contains
             call get_choice(deck, groups(i), "held", held)
             fixity%is_held = [held /= 2, held /= 1]
             call read_box(deck, groups(i), grid, fixity)
+            call read_acting_phases(deck, groups(i), fixity%first_phase, fixity%last_phase)
          end associate
       end do
    end subroutine read_fixities
@@ -92,11 +94,11 @@ contains
    end subroutine read_box
 
    !> All implicit boundaries.
-   subroutine read_boundaries(deck, n_steps, domains, boundaries)
+   subroutine read_boundaries(deck, schedule, domains, boundaries)
       !> Scanned deck, which notes faults.
       type(deck_type), intent(inout) :: deck
-      !> Number of load steps.
-      integer, intent(in) :: n_steps
+      !> Load steps and phases.
+      type(schedule_type), intent(in) :: schedule
       !> What a point stands for: one of `domains_*`.
       integer, intent(in) :: domains
       !> Boundaries in the order of the deck.
@@ -111,8 +113,7 @@ contains
          call read_boundary(deck, groups(i), boundaries(i), choice)
          call read_formulation(deck, groups(i), domains, boundaries(i))
          call read_vertices(deck, groups(i), boundaries(i)%vertices)
-         call check_motion(deck, groups(i), choice)
-         call read_motion(deck, groups(i), n_steps, boundaries(i))
+         call read_motion(deck, groups(i), choice, schedule, boundaries(i))
       end do
    end subroutine read_boundaries
 
@@ -238,32 +239,43 @@ contains
       if (side == 2) vertices = vertices(:, size(vertices, 2):1:-1)
    end subroutine read_vertices
 
-   !> Displacement of a boundary and its table.
-   subroutine read_motion(deck, group, n_steps, boundary)
-      !> Scanned deck, which notes faults.
-      type(deck_type), intent(inout) :: deck
-      !> Number of the group in the deck, and of load steps.
-      integer, intent(in) :: group, n_steps
-      !> Boundary or tool whose motion is read.
-      type(boundary_type), intent(inout) :: boundary
-      real(wp) :: per_step(2)
-
-      call get_value(deck, group, "displacement", boundary%displacement)
-      call get_reference(deck, group, "table", boundary%table)
-      if (.not. is_given(deck, group, "displacement_per_step")) return
-      per_step = 0.0_wp
-      call get_value(deck, group, "displacement_per_step", per_step)
-      boundary%displacement = real(n_steps, wp)*per_step
-   end subroutine read_motion
-
-   !> Note variables of the motion that do not go together.
-   subroutine check_motion(deck, group, kind)
+   !> Phases, displacement and its table.
+   subroutine read_motion(deck, group, kind, schedule, boundary)
       !> Scanned deck, which notes faults.
       type(deck_type), intent(inout) :: deck
       !> Number of the group in the deck.
       integer, intent(in) :: group
       !> Number of the kind among the choices of the deck; 0 if there is none.
       integer, intent(in) :: kind
+      !> Load steps and phases.
+      type(schedule_type), intent(in) :: schedule
+      !> Boundary or tool whose motion is read.
+      type(boundary_type), intent(inout) :: boundary
+      real(wp) :: per_step(2)
+      integer :: n_equal
+
+      call read_acting_phases(deck, group, boundary%first_phase, boundary%last_phase)
+      boundary%ramp_phase = boundary%first_phase
+      call get_reference(deck, group, "ramp_phase", boundary%ramp_phase, "phase")
+      n_equal = n_equal_steps(deck, schedule, boundary%ramp_phase)
+      call check_motion(deck, group, kind, n_equal > 0)
+      call get_value(deck, group, "displacement", boundary%displacement)
+      call get_reference(deck, group, "table", boundary%table)
+      if (.not. is_given(deck, group, "displacement_per_step")) return
+      per_step = 0.0_wp
+      call get_value(deck, group, "displacement_per_step", per_step)
+      boundary%displacement = real(n_equal, wp)*per_step
+   end subroutine read_motion
+
+   !> Note variables of the motion that do not go together.
+   subroutine check_motion(deck, group, kind, has_equal_steps)
+      type(deck_type), intent(inout) :: deck
+      !> Number of the group in the deck.
+      integer, intent(in) :: group
+      !> Number of the kind among the choices of the deck; 0 if there is none.
+      integer, intent(in) :: kind
+      !> Are the steps equal over which it moves?
+      logical, intent(in) :: has_equal_steps
       logical :: has_total, has_per_step, has_table
 
       has_total = is_given(deck, group, "displacement")
@@ -276,25 +288,16 @@ contains
       if (has_total .and. has_per_step) then
          call blame(deck, group, "displacement_per_step", &
                     "stands beside `displacement`; give one of them")
-      else if (has_per_step .and. (has_table .or. .not. has_equal_steps(deck))) then
+      else if (has_per_step .and. (has_table .or. .not. has_equal_steps)) then
          call blame(deck, group, "displacement_per_step", &
                     "needs equal steps (`count` in &steps) and no table; give `displacement`")
+      else if (has_table .and. is_given(deck, group, "ramp_phase")) then
+         call blame(deck, group, "ramp_phase", "stands beside `table`, which says it")
       end if
       if (has_total .or. has_per_step .or. deck%groups(group)%is_broken) return
       if (kind == 3) call blame(deck, group, "kind", "needs `displacement` or " &
                                 //"`displacement_per_step`")
       if (has_table) call blame(deck, group, "table", "has no displacement to schedule")
    end subroutine check_motion
-
-   !> Are the load steps equal, as far as one can tell?
-   pure function has_equal_steps(deck)
-      type(deck_type), intent(in) :: deck
-      logical :: has_equal_steps
-      integer :: group
-
-      group = first_group(deck, "steps")
-      has_equal_steps = .true.
-      if (group > 0) has_equal_steps = .not. is_given(deck, group, "end_times")
-   end function has_equal_steps
 
 end module coulter_deck_boundaries

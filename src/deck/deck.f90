@@ -11,11 +11,12 @@ module coulter_deck
    use coulter_deck_boundaries, only: read_boundaries, read_fixities
    use coulter_deck_document, only: deck_type, describe_faults
    use coulter_deck_file, only: read_text
-   use coulter_deck_loads, only: read_body_force, read_edge_loads, read_steps, read_tables
+   use coulter_deck_loads, only: read_body_force, read_edge_loads, read_tables
    use coulter_deck_names, only: check_names
    use coulter_deck_reference, only: write_deck_reference
    use coulter_deck_samples, only: read_samples, read_stages
    use coulter_deck_scan, only: scan_deck
+   use coulter_deck_schedule, only: read_schedule
    use coulter_deck_settings, only: base_name, read_control, read_grid, read_output, read_scene
    use coulter_deck_tools, only: read_tools
    use coulter_model, only: model_type
@@ -61,7 +62,6 @@ contains
       type(output_type), intent(out) :: output
       !> Set when the deck has faults: one line for each.
       type(error_type), allocatable, intent(out) :: error
-      integer :: n_steps
 
       deck%path = path
       deck%text = text
@@ -77,15 +77,14 @@ contains
       call read_control(deck, model%control)
       call read_laws(deck, model%laws)
       call read_bodies(deck, model%control%domains, model%bodies)
-      call read_steps(deck, model%schedule)
-      n_steps = size(model%schedule%end_time)
+      call read_schedule(deck, model%schedule)
       call read_tables(deck, model%tables)
       call read_body_force(deck, model%body_force)
       call read_edge_loads(deck, model%control%domains, model%edge_loads)
       call read_fixities(deck, model%grid, model%fixities)
-      call read_boundaries(deck, n_steps, model%control%domains, model%boundaries)
-      call read_tools(deck, n_steps, model%control%domains, model%boundaries)
-      call read_output(deck, n_steps, output)
+      call read_boundaries(deck, model%schedule, model%control%domains, model%boundaries)
+      call read_tools(deck, model%schedule, model%control%domains, model%boundaries)
+      call read_output(deck, size(model%schedule%end_time), output)
 
       if (deck%faults%n_faults > 0) call fatal_error(error, describe_faults(deck, deck%faults))
    end subroutine parse_deck

@@ -1,50 +1,22 @@
-!> Reads how loads go with time: steps, tables and the body force.
+!> Reads loads and the tables that schedule them.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_deck_loads
    use coulter_base_kinds, only: wp
-   use coulter_base_table, only: new_table, table_type
+   use coulter_base_table, only: is_increasing, new_table, table_type
    use coulter_base_text, only: to_text
    use coulter_boundary_edge_load, only: edge_load_type
    use coulter_deck_document, only: blame, deck_type, first_group, find_groups
    use coulter_deck_outline, only: new_polyline
    use coulter_deck_references, only: check_unique_names, get_reference
+   use coulter_deck_schedule, only: read_load_phases
    use coulter_deck_values, only: get_list, get_value, is_given
    use coulter_model_body_force, only: body_force_type
-   use coulter_model_control, only: domains_tiles, schedule_type
+   use coulter_model_control, only: domains_tiles
    implicit none(type, external)
    private
-   public :: read_steps, read_tables, read_body_force, read_edge_loads
+   public :: read_tables, read_body_force, read_edge_loads
 
 contains
-
-   !> The load steps; a single one when the group is missing or at fault.
-   subroutine read_steps(deck, schedule)
-      !> Scanned deck, which notes faults.
-      type(deck_type), intent(inout) :: deck
-      !> Times at which steps end.
-      type(schedule_type), intent(out) :: schedule
-      integer :: group, n, i
-
-      n = 1
-      group = first_group(deck, "steps")
-      if (group > 0) then
-         if (is_given(deck, group, "count") .and. is_given(deck, group, "end_times")) then
-            call blame(deck, group, "end_times", "stands beside `count`; give one of them")
-         else if (.not. (is_given(deck, group, "count") .or. is_given(deck, group, "end_times") &
-                         .or. deck%groups(group)%is_broken)) then
-            call blame(deck, group, "", "needs either `count` or `end_times`")
-         end if
-         call get_value(deck, group, "count", n)
-         call get_list(deck, group, "end_times", schedule%end_time)
-      end if
-      if (allocated(schedule%end_time)) then
-         if (.not. is_increasing(schedule%end_time)) then
-           call blame(deck, group, "end_times", "must increase")
-         end if
-      else
-         schedule%end_time = [(real(i, wp)/real(n, wp), i=1, n)]
-      end if
-   end subroutine read_steps
 
    !> All loads on the edges of bodies.
    subroutine read_edge_loads(deck, domains, loads)
@@ -81,6 +53,7 @@ contains
       call get_value(deck, group, "traction", load%traction)
       call get_value(deck, group, "pressure", load%pressure)
       call get_reference(deck, group, "table", load%table)
+      call read_load_phases(deck, group, load%table, load%ramp_phase, load%last_phase)
       call get_list(deck, group, "vertices", list)
       if (allocated(list)) then
          call new_polyline(list, load%vertices, message)
@@ -147,14 +120,8 @@ contains
       if (group == 0) return
       call get_value(deck, group, "acceleration", body_force%acceleration)
       call get_reference(deck, group, "table", body_force%table)
+      call read_load_phases(deck, group, body_force%table, body_force%ramp_phase, &
+                            body_force%last_phase)
    end subroutine read_body_force
-
-   !> Is every number larger than the one before it?
-   pure function is_increasing(list)
-      real(wp), intent(in) :: list(:)
-      logical :: is_increasing
-
-      is_increasing = all(list(2:) > list(:size(list) - 1))
-   end function is_increasing
 
 end module coulter_deck_loads

@@ -49,15 +49,20 @@ contains
       character(len=*), intent(in) :: number
       logical, intent(in) :: is_needed
       integer, allocatable :: found(:)
-      integer :: i
+      integer :: i, substitute
 
       call find_groups(deck, name, found)
       if (size(found) == 0 .and. is_needed) then
+         substitute = index(number, "&")
+         if (substitute > 0) then
+            call find_groups(deck, trim(number(substitute + 1:)), found)
+            if (size(found) > 0) return
+         end if
          do i = 1, size(deck%groups)
             if (closest_name(deck%groups(i)%name, group_rules%name) == name) return
          end do
          call deck%faults%add(name, 0, "", "is missing from the deck")
-      else if (number == "1" .or. number == "0 or 1") then
+      else if (number == "1" .or. number == "0 or 1" .or. index(number, "&") > 0) then
          do i = 2, size(found)
             call blame(deck, found(i), "", "may stand only once; the first is on line " &
                        //to_text(deck%groups(found(1))%line))

@@ -12,7 +12,7 @@ module coulter_deck_references
 
 contains
 
-   !> Number of the law, body or table to which a variable of this name refers; `number` keeps its
+   !> Number of the law, body, table or phase to which a variable refers; `number` keeps its
    !> value when the variable is absent or at fault.
    subroutine get_reference(deck, group, variable, number, kind)
       !> Deck that notes faults.

@@ -14,9 +14,10 @@ module coulter_deck_schema
    !> What a group is for.
    type :: group_rule_type
       !> Name, lower case.
-      character(len=10) :: name
-      !> How often it stands in a deck: "1", "0 or 1", "1 or more" or "any number".
-      character(len=10) :: number
+      character(len=14) :: name
+      !> How often it stands in a deck: "1", "0 or 1", "1 or more" or "any number"; "1 or &NAME":
+      !> once, unless another group stands for it.
+      character(len=11) :: number
       !> What it describes.
       character(len=100) :: meaning
    end type group_rule_type
@@ -24,7 +25,7 @@ module coulter_deck_schema
    !> What a variable may hold.
    type :: variable_rule_type
       !> Group to which it belongs.
-      character(len=10) :: group
+      character(len=14) :: group
       !> Name, lower case.
       character(len=21) :: name
       !> "real", "integer", "logical", "text" (any text) or "choice" (one of the words in `range`).
@@ -54,6 +55,8 @@ module coulter_deck_schema
       group_rule_type("grid", "1", "The background grid: a box of equal cells."), &
       group_rule_type("law", "1 or more", "A constitutive law."), &
       group_rule_type("body", "1 or more", "A solid of one law, to be filled with points."), &
+      group_rule_type("stress_profile", "any number", &
+                      "Stress of a body before the first step, by elevation."), &
       group_rule_type("region", "1 or more", "What a body fills: one rectangle or polygon each."), &
       group_rule_type("fixity", "any number", "Zero displacement at grid nodes."), &
       group_rule_type("boundary", "any number", &
@@ -65,7 +68,9 @@ module coulter_deck_schema
       group_rule_type("body_force", "0 or 1", "A force per unit mass, such as gravity."), &
       group_rule_type("table", "any number", &
                       "A factor over time, linear between its times and constant beyond."), &
-      group_rule_type("steps", "1", "The load steps: either `count` or `end_times`."), &
+      group_rule_type("steps", "1 or &phase", "The load steps: either `count` or `end_times`."), &
+      group_rule_type("phase", "any number", &
+                      "A part of a run, in the order of the deck, with steps of its own."), &
       group_rule_type("control", "0 or 1", "How a load step is solved."), &
       group_rule_type("output", "0 or 1", "When results are written, and how."), &
       group_rule_type("sample", "any number", &
@@ -116,6 +121,16 @@ module coulter_deck_schema
          ">= 1 <= 8", "material points per cell in each direction"), &
       variable_rule_type("body", "initial_stress", "real", 4, 4, "stress", "4*0.0", "", &
          "Cauchy stress xx, yy, zz, xy at the start, tension positive"), &
+      variable_rule_type("body", "k0", "real", 1, 1, "", "(none)", ">= 0", &
+         "instead: horizontal over vertical stress at the start, which the weight above makes"), &
+      variable_rule_type("body", "overburden", "real", 1, 1, "stress", "(0.0)", ">= 0", &
+         "pressure on the ground above, beside the weight; belongs to k0"), &
+      variable_rule_type("stress_profile", "body", "text", 1, 1, "", required, "", &
+         "name of the body whose stress it is"), &
+      variable_rule_type("stress_profile", "elevation", "real", 1, 250, "length", required, "", &
+         "elevations y, increasing; linear between them and constant beyond"), &
+      variable_rule_type("stress_profile", "stress", "real", 4, 1000, "stress", required, "", &
+         "Cauchy stress xx, yy, zz, xy at the first elevation, at the second, ..."), &
       variable_rule_type("region", "body", "text", 1, 1, "", required, "", &
          "name of the body to which the region belongs"), &
       variable_rule_type("region", "rectangle", "real", 4, 4, "length", "(or polygon)", "", &
@@ -135,6 +150,10 @@ module coulter_deck_schema
          "upper right corner of the box"), &
       variable_rule_type("fixity", "held", "choice", 1, 1, "", required, "x y xy", &
          "components of the displacement that are held"), &
+      variable_rule_type("fixity", "first_phase", "text", 1, 1, "", "(first)", "", &
+         "name of the first phase in which it acts"), &
+      variable_rule_type("fixity", "last_phase", "text", 1, 1, "", "(last)", "", &
+         "name of the last phase in which it acts"), &
       variable_rule_type("boundary", "name", "text", 1, 1, "", required, "", &
          "name under which the reaction is reported"), &
       variable_rule_type("boundary", "kind", "choice", 1, 1, "", required, &
@@ -150,7 +169,13 @@ module coulter_deck_schema
       variable_rule_type("boundary", "displacement_per_step", "real", 2, 2, "length", &
          "(none)", "", "the same per step, for `count` equal steps without table"), &
       variable_rule_type("boundary", "table", "text", 1, 1, "", "(ramp)", "", &
-         "name of the table that schedules the displacement; else proportional to time"), &
+         "name of the table that schedules it; else it grows evenly over ramp_phase"), &
+      variable_rule_type("boundary", "first_phase", "text", 1, 1, "", "(first)", "", &
+         "name of the first phase in which it acts"), &
+      variable_rule_type("boundary", "last_phase", "text", 1, 1, "", "(last)", "", &
+         "name of the last phase in which it acts"), &
+      variable_rule_type("boundary", "ramp_phase", "text", 1, 1, "", "(first_phase)", "", &
+         "name of the phase over which it moves without a table; it need not act then"), &
       variable_rule_type("boundary", "formulation", "choice", 1, 1, "", "(by domains)", &
          "nitsche augmented implicit penalty", "cpdi2: `nitsche`, or `augmented` Lagrangian; " &
          //"others: `implicit`, the paper's K2 + K2^T + K3, or `penalty`, K3"), &
@@ -204,6 +229,12 @@ module coulter_deck_schema
          "the same per step, for `count` equal steps without table"), &
       variable_rule_type("tool", "table", "text", 1, 1, "", "(ramp)", "", &
          "name of the table that schedules the displacement; else proportional to time"), &
+      variable_rule_type("tool", "first_phase", "text", 1, 1, "", "(first)", "", &
+         "name of the first phase in which it acts"), &
+      variable_rule_type("tool", "last_phase", "text", 1, 1, "", "(last)", "", &
+         "name of the last phase in which it acts"), &
+      variable_rule_type("tool", "ramp_phase", "text", 1, 1, "", "(first_phase)", "", &
+         "name of the phase over which it moves without a table; it need not act then"), &
       variable_rule_type("tool", "rotation", "real", 1, 1, "degrees", "0.0", "", &
          "total rotation at a table value of 1, counter-clockwise"), &
       variable_rule_type("tool", "rotation_table", "text", 1, 1, "", "(ramp)", "", &
@@ -231,11 +262,23 @@ module coulter_deck_schema
       variable_rule_type("edge_load", "pressure", "real", 1, 1, "stress", "(or traction)", "", &
          "follower load on the deformed edge at a table value of 1, positive when it pushes"), &
       variable_rule_type("edge_load", "table", "text", 1, 1, "", "(ramp)", "", &
-         "name of the table that schedules it; else proportional to time"), &
+         "name of the table that schedules it; else it grows evenly over ramp_phase"), &
+      variable_rule_type("edge_load", "from_start", "logical", 1, 1, "", ".false.", "", &
+         "does it act in full from the start, instead of growing?"), &
+      variable_rule_type("edge_load", "ramp_phase", "text", 1, 1, "", "(first)", "", &
+         "name of the phase over which it grows from 0 to 1 without a table"), &
+      variable_rule_type("edge_load", "last_phase", "text", 1, 1, "", "(last)", "", &
+         "name of the last phase with all of it; it is taken off evenly over the next"), &
       variable_rule_type("body_force", "acceleration", "real", 2, 2, "length/time^2", required, &
          "", "acceleration at a table value of 1"), &
       variable_rule_type("body_force", "table", "text", 1, 1, "", "(ramp)", "", &
-         "name of the table that schedules it; else proportional to time"), &
+         "name of the table that schedules it; else it grows evenly over ramp_phase"), &
+      variable_rule_type("body_force", "from_start", "logical", 1, 1, "", ".false.", "", &
+         "does it act in full from the start, instead of growing?"), &
+      variable_rule_type("body_force", "ramp_phase", "text", 1, 1, "", "(first)", "", &
+         "name of the phase over which it grows from 0 to 1 without a table"), &
+      variable_rule_type("body_force", "last_phase", "text", 1, 1, "", "(last)", "", &
+         "name of the last phase with all of it; it is taken off evenly over the next"), &
       variable_rule_type("table", "name", "text", 1, 1, "", required, "", &
          "name by which loads refer to the table"), &
       variable_rule_type("table", "time", "real", 1, 1000, "time", required, "", &
@@ -245,7 +288,17 @@ module coulter_deck_schema
       variable_rule_type("steps", "count", "integer", 1, 1, "", "(or end_times)", &
          ">= 1 <= 100000", "number of equal steps from time 0 to time 1"), &
       variable_rule_type("steps", "end_times", "real", 1, 1000, "time", "(or count)", "> 0", &
-         "time at the end of every step, increasing; the start is time 0")]
+         "time at the end of every step, increasing; the start is time 0"), &
+      variable_rule_type("phase", "name", "text", 1, 1, "", required, "", &
+         "name by which loads and boundaries refer to the phase"), &
+      variable_rule_type("phase", "count", "integer", 1, 1, "", "(or end_times)", &
+         ">= 1 <= 100000", "number of equal steps"), &
+      variable_rule_type("phase", "duration", "real", 1, 1, "time", "1.0", "> 0", &
+         "time that these take together"), &
+      variable_rule_type("phase", "end_times", "real", 1, 1000, "time", "(or count)", "> 0", &
+         "time at the end of every step, increasing, from the start of the phase"), &
+      variable_rule_type("phase", "reset_displacements", "logical", 1, 1, "", ".false.", "", &
+         "do displacements count anew from the end of the phase?")]
 
    type(variable_rule_type), parameter :: run_rules(*) = [ &
       variable_rule_type("control", "domains", "choice", 1, 1, "", "'cpdi2'", "cpdi2 gimp mpm", &

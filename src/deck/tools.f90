@@ -7,13 +7,13 @@ module coulter_deck_tools
    use coulter_boundary, only: boundary_type, formulation_nitsche, nitsche_band_ratio
    use coulter_boundary_tool_shape, only: close_circle, close_outline, fluke_corners, &
       rectangle_corners, turned_to, wedge_corners
-   use coulter_deck_boundaries, only: check_motion, read_friction, read_motion
+   use coulter_deck_boundaries, only: read_friction, read_motion
    use coulter_deck_document, only: blame, deck_type, find_groups
    use coulter_deck_file, only: read_text
    use coulter_deck_outline, only: new_polygon, new_polyline
    use coulter_deck_references, only: check_unique_names, get_reference
    use coulter_deck_values, only: get_choice, get_list, get_value, is_given
-   use coulter_model_control, only: domains_tiles
+   use coulter_model_control, only: domains_tiles, schedule_type
    implicit none(type, external)
    private
    public :: read_tools
@@ -30,11 +30,11 @@ module coulter_deck_tools
 contains
 
    !> All tools, appended to the boundaries.
-   subroutine read_tools(deck, n_steps, domains, boundaries)
+   subroutine read_tools(deck, schedule, domains, boundaries)
       !> Scanned deck, which notes faults.
       type(deck_type), intent(inout) :: deck
-      !> Number of load steps.
-      integer, intent(in) :: n_steps
+      !> Load steps and phases.
+      type(schedule_type), intent(in) :: schedule
       !> What a point stands for: one of `domains_*`.
       integer, intent(in) :: domains
       !> Boundaries read so far; gets the tools in the order of the deck.
@@ -49,7 +49,7 @@ contains
       allocate (all_of_them(n + size(groups)))
       all_of_them(:n) = boundaries
       do i = 1, size(groups)
-         call read_tool(deck, groups(i), n_steps, all_of_them(n + i))
+         call read_tool(deck, groups(i), schedule, all_of_them(n + i))
          if (domains == domains_tiles) cycle
          call blame(deck, groups(i), "", "needs domains = 'cpdi2', whose tiles have edges")
       end do
@@ -57,9 +57,10 @@ contains
    end subroutine read_tools
 
    !> One tool.
-   subroutine read_tool(deck, group, n_steps, tool)
+   subroutine read_tool(deck, group, schedule, tool)
       type(deck_type), intent(inout) :: deck
-      integer, intent(in) :: group, n_steps
+      integer, intent(in) :: group
+      type(schedule_type), intent(in) :: schedule
       type(boundary_type), intent(out) :: tool
 
       tool%name = ""
@@ -71,8 +72,7 @@ contains
       call get_value(deck, group, "band_ratio", tool%band_ratio)
       call read_friction(deck, group, tool)
       call read_shape(deck, group, tool)
-      call check_motion(deck, group, 0)
-      call read_motion(deck, group, n_steps, tool)
+      call read_motion(deck, group, 0, schedule, tool)
       call read_rotation(deck, group, tool)
    end subroutine read_tool
 

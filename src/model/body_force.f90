@@ -17,8 +17,12 @@ module coulter_model_body_force
    type :: body_force_type
       !> Acceleration everywhere at a table value of 1, length per time squared, shape (2).
       real(wp) :: acceleration(2) = 0.0_wp
-      !> Number of the table that schedules it; 0: proportional to time up to the last step.
+      !> Number of the table that schedules it; 0: it grows evenly over `ramp_phase`.
       integer :: table = 0
+      !> Phase over which it grows without a table; 0: it acts in full from the start.
+      integer :: ramp_phase = 1
+      !> Last phase in which it acts in full; it is taken off evenly over the next.
+      integer :: last_phase = huge(1)
       !> Added to it; unallocated in scenes without.
       class(body_field_type), allocatable :: field
    end type body_force_type
@@ -29,7 +33,7 @@ module coulter_model_body_force
          import :: body_field_type, wp
          implicit none (type, external)
          class(body_field_type), intent(in) :: self
-         !> Place in the undeformed body, length units.
+         !> Place in the undeformed body, or where displacements were reset last, length units.
          real(wp), intent(in) :: place(2)
          !> Time at which forces shall balance.
          real(wp), intent(in) :: time

@@ -5,7 +5,7 @@ module coulter_model_control
    implicit none(type, external)
    private
    public :: schedule_type, control_type, small_cells_keep, small_cells_drop, small_cells_aggregate
-   public :: domains_points, domains_tiles, domains_boxes
+   public :: phase_type, no_last_phase, domains_points, domains_tiles, domains_boxes
 
    !> The point is a quadrature point: standard material point method.
    integer, parameter :: domains_points = 1
@@ -21,11 +21,29 @@ module coulter_model_control
    !> The outer nodes of cells with little material follow those of the nearest well-filled cell.
    integer, parameter :: small_cells_aggregate = 3
 
+   !> A part of a run with loads and boundaries of its own.
+   type :: phase_type
+      !> Name.
+      character(len=:), allocatable :: name
+      !> Number of its last step.
+      integer :: last_step = 0
+      !> Do displacements count from its end?
+      logical :: resets_displacements = .false.
+   end type phase_type
+
    !> The load steps: time is a parameter that orders them, 0 at the start.
    type :: schedule_type
       !> Time at the end of every step, increasing, > 0, shape (n_steps).
       real(wp), allocatable :: end_time(:)
+      !> Phases in their order; unallocated: a single one that holds all steps.
+      type(phase_type), allocatable :: phases(:)
+   contains
+      procedure :: phase_of
+      procedure :: share_of_phase
    end type schedule_type
+
+   !> Last phase of what acts to the end.
+   integer, parameter :: no_last_phase = huge(1)
 
    !> How a step is solved.
    type :: control_type
@@ -60,5 +78,45 @@ module coulter_model_control
       !> below which a node does.
       real(wp) :: fill_tolerance = 0.05_wp
    end type control_type
+
+contains
+
+   !> Number of the phase that holds a step.
+   pure function phase_of(self, step) result(phase)
+      class(schedule_type), intent(in) :: self
+      !> Number of the step, from 1.
+      integer, intent(in) :: step
+      integer :: phase
+
+      phase = 1
+      if (allocated(self%phases)) phase = 1 + count(self%phases%last_step < step)
+   end function phase_of
+
+   !> How much of a phase is over at a time, 0 to 1. Phase 0 is over before the run starts.
+   pure function share_of_phase(self, phase, time) result(share)
+      class(schedule_type), intent(in) :: self
+      !> Number of the phase; one beyond the last has not begun.
+      integer, intent(in) :: phase
+      !> Time.
+      real(wp), intent(in) :: time
+      real(wp) :: share
+      real(wp) :: start, finish
+      integer :: first
+
+      share = 1.0_wp
+      if (phase < 1) return
+      first = 0
+      start = 0.0_wp
+      finish = self%end_time(size(self%end_time))
+      if (allocated(self%phases)) then
+         share = 0.0_wp
+         if (phase > size(self%phases)) return
+         if (phase > 1) first = self%phases(phase - 1)%last_step
+         if (first > 0) start = self%end_time(first)
+         finish = self%end_time(self%phases(phase)%last_step)
+      end if
+      share = (time - start)/(finish - start)
+      if (allocated(self%phases)) share = max(0.0_wp, min(1.0_wp, share))
+   end function share_of_phase
 
 end module coulter_model_control

@@ -9,14 +9,14 @@ module coulter_model
    use coulter_grid, only: grid_type
    use coulter_law, only: law_item_type
    use coulter_model_body_force, only: body_force_type
-   use coulter_model_control, only: control_type, schedule_type
+   use coulter_model_control, only: control_type, no_last_phase, schedule_type
    use coulter_points, only: points_type
    use coulter_points_body, only: body_type
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
    private
    public :: model_type, fixity_type, units_type
-   public :: load_factor, boundary_motion, point_moduli
+   public :: load_factor, edge_load_factor, body_force_factor, boundary_motion, point_moduli
 
    !> Labels for logs and plots; Coulter computes in any consistent units.
    type :: units_type
@@ -38,6 +38,9 @@ module coulter_model
       real(wp), allocatable :: upper(:)
       !> Which displacement components are held, shape (n_dim).
       logical, allocatable :: is_held(:)
+      !> First and last phase in which it holds, and does it hold now?
+      integer :: first_phase = 1, last_phase = no_last_phase
+      logical :: is_active = .true.
    end type fixity_type
 
    !> A scene: what is computed, and nothing about files.
@@ -76,22 +79,68 @@ module coulter_model
 
 contains
 
-   !> Factor of a load at a time: from its table, or a ramp from 0 to 1 over the whole schedule.
-   pure function load_factor(model, table, time) result(factor)
+   !> Factor of a load at a time: from its table, or growing from 0 to 1 over a phase.
+   pure function load_factor(model, table, time, ramp_phase) result(factor)
       !> Scene with tables and schedule.
       type(model_type), intent(in) :: model
       !> Number of the table, or 0 for the ramp.
       integer, intent(in) :: table
       !> Time, between 0 and the end of the last step.
       real(wp), intent(in) :: time
+      !> Phase of the ramp; 0: it is over before the run starts.
+      integer, intent(in) :: ramp_phase
       real(wp) :: factor
 
       if (table > 0) then
          factor = model%tables(table)%at(time)
       else
-         factor = time/model%schedule%end_time(size(model%schedule%end_time))
+         factor = model%schedule%share_of_phase(ramp_phase, time)
       end if
    end function load_factor
+
+   !> Factor of a load that is taken off over the phase after its last.
+   pure function passing_factor(model, table, time, ramp_phase, last_phase) result(factor)
+      !> See `load_factor`.
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: table
+      real(wp), intent(in) :: time
+      integer, intent(in) :: ramp_phase
+      !> Last phase in which the load acts in full.
+      integer, intent(in) :: last_phase
+      real(wp) :: factor
+
+      factor = load_factor(model, table, time, ramp_phase)
+      if (last_phase == no_last_phase) return
+      factor = factor*(1.0_wp - model%schedule%share_of_phase(last_phase + 1, time))
+   end function passing_factor
+
+   !> Factor of a load on edges at a time.
+   pure function edge_load_factor(model, load, time) result(factor)
+      !> Scene with tables and schedule.
+      type(model_type), intent(in) :: model
+      !> Number of the load.
+      integer, intent(in) :: load
+      !> Time.
+      real(wp), intent(in) :: time
+      real(wp) :: factor
+
+      associate (item => model%edge_loads(load))
+         factor = passing_factor(model, item%table, time, item%ramp_phase, item%last_phase)
+      end associate
+   end function edge_load_factor
+
+   !> Factor of the body force at a time.
+   pure function body_force_factor(model, time) result(factor)
+      !> Scene with tables and schedule.
+      type(model_type), intent(in) :: model
+      !> Time.
+      real(wp), intent(in) :: time
+      real(wp) :: factor
+
+      associate (item => model%body_force)
+         factor = passing_factor(model, item%table, time, item%ramp_phase, item%last_phase)
+      end associate
+   end function body_force_factor
 
    !> How a boundary moves between two times.
    pure function boundary_motion(model, boundary, start_time, end_time) result(motion)
@@ -118,7 +167,10 @@ contains
          integer, intent(in) :: table
          real(wp) :: advance
 
-         advance = load_factor(model, table, end_time) - load_factor(model, table, start_time)
+         associate (ramp => model%boundaries(boundary)%ramp_phase)
+            advance = load_factor(model, table, end_time, ramp) &
+               - load_factor(model, table, start_time, ramp)
+         end associate
       end function advance
 
    end function boundary_motion

@@ -40,8 +40,8 @@ module coulter_model_observer
 
    !> What happened in an accepted step, or in the part of one that halving made of it.
    type :: step_report_type
-      !> Number of the load step, from 1.
-      integer :: step = 0
+      !> Number of the load step and of its phase, from 1.
+      integer :: step = 0, phase = 1
       !> Is this the end of the load step (false for a part that is followed by others)?
       logical :: is_complete = .true.
       !> Time at the end of the step.

@@ -8,8 +8,10 @@ module coulter_model_prepare
    use coulter_base_text, only: to_text
    use coulter_boundary, only: boundary_type, formulation_implicit, kind_fixed
    use coulter_boundary_edge_load, only: find_loaded_edges, loaded_edge_type
-   use coulter_model, only: model_type
+   use coulter_model, only: body_force_factor, model_type
    use coulter_model_control, only: domains_tiles
+   use coulter_model_initial_stress, only: initial_stress, is_geostatic
+   use coulter_model_phases, only: activate
    use coulter_points_seeding, only: seed_points, seed_tiles
    use coulter_points_tiling, only: remember_pulls
    implicit none(type, external)
@@ -49,7 +51,9 @@ contains
       call check_overlaps(model, regions, faults)
       call check_boundaries(model, regions, faults)
       call check_fixities(model, faults)
+      call check_geostatic(model, faults)
       if (faults%n_faults > known_faults) return
+      call activate(model, 1)
       call seed_model(model)
       if (model%points%n_points == 0) call faults%add("region", 0, "", "no region holds material")
       if (allocated(model%tiling)) then
@@ -150,7 +154,7 @@ contains
                                //to_text(widest_yielding_band/largest_stiffness_ratio(model), 3))
                cycle
             end if
-            if (boundary%may_start_apart) cycle
+            if (boundary%may_start_apart .or. boundary%first_phase > 1) cycle
             distance = huge(distance)
             do r = 1, size(regions)
                distance = min(distance, &
@@ -196,7 +200,7 @@ contains
    function largest_stiffness_ratio(model) result(ratio)
       type(model_type), intent(in) :: model
       real(wp) :: ratio
-      real(wp) :: lame_lambda, shear_modulus
+      real(wp) :: lame_lambda, shear_modulus, stress(4)
       real(wp), allocatable :: state(:)
       integer :: b, r
 
@@ -205,8 +209,9 @@ contains
          associate (body => model%bodies(b), law => model%laws(model%bodies(b)%law)%law)
             allocate (state(law%n_state))
             do r = 1, size(body%regions)
-               call law%initial_state(body%initial_stress, body%regions(r)%vertices(:, 1), state)
-               call law%elastic_moduli(body%initial_stress, state, lame_lambda, shear_modulus)
+               stress = initial_stress(model, b, body%regions(r)%vertices(:, 1))
+               call law%initial_state(stress, body%regions(r)%vertices(:, 1), state)
+               call law%elastic_moduli(stress, state, lame_lambda, shear_modulus)
                ratio = max(ratio, lame_lambda/shear_modulus + 2.0_wp)
             end do
             deallocate (state)
@@ -254,6 +259,25 @@ contains
       end do
    end subroutine check_fixities
 
+   !> Weight that makes initial stress must point down and act in full from the start.
+   subroutine check_geostatic(model, faults)
+      type(model_type), intent(in) :: model
+      type(fault_list_type), intent(inout) :: faults
+      integer :: b
+
+      do b = 1, size(model%bodies)
+         if (.not. is_geostatic(model%bodies(b))) cycle
+         associate (down => model%body_force%acceleration)
+            if (abs(down(1)) > 0.0_wp .or. down(2) >= 0.0_wp) then
+               call faults%add("body", b, "k0", "needs a body force that points down")
+            else if (abs(body_force_factor(model, 0.0_wp) - 1.0_wp) > epsilon(1.0_wp)) then
+               call faults%add("body", b, "k0", "needs a body force that acts in full from the" &
+                               //" start: give &body_force from_start = .true.")
+            end if
+         end associate
+      end do
+   end subroutine check_geostatic
+
    !> Points of all bodies with their initial stress.
    subroutine seed_model(model)
       type(model_type), intent(inout) :: model
@@ -274,7 +298,8 @@ contains
          if (allocated(model%tiling)) call remember_pulls(model%tiling)
       end if
       do p = 1, model%points%n_points
-         call start_point(model, p, model%bodies(model%points%body(p))%initial_stress)
+         call start_point(model, p, initial_stress(model, model%points%body(p), &
+                                                   model%points%position(:, p)))
       end do
    end subroutine seed_model
 

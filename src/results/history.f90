@@ -81,6 +81,7 @@ contains
       type(hdf5_file_type), intent(inout) :: file
 
       call add_integer(file, "step", "number of the load step, from 1")
+      call add_integer(file, "phase", "number of the phase that holds the step, from 1")
       call add_integer(file, "is_complete", "1 at the end of a load step, 0 for a part of one")
       call add_real(file, "time", [integer ::], "time at the end of the step")
       call add_real(file, "time_increment", [integer ::], "size of the step in time")
@@ -98,6 +99,7 @@ contains
       type(step_report_type), intent(in) :: report
 
       call put_integer(file, "step", row, report%step)
+      call put_integer(file, "phase", row, report%phase)
       call put_integer(file, "is_complete", row, merge(1, 0, report%is_complete))
       call file%put_reals("history/time", row, 1, [report%time])
       call file%put_reals("history/time_increment", row, 1, [report%time_increment])
@@ -171,7 +173,7 @@ contains
       do i = 1, n
          associate (boundary => model%boundaries(i))
             displacements(:, i) = boundary%displacement &
-               *load_factor(model, boundary%table, report%time)
+               *load_factor(model, boundary%table, report%time, boundary%ramp_phase)
          end associate
       end do
       call file%put_reals("history/boundary_displacements", row, 2*n, displacements)

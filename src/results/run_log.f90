@@ -28,6 +28,8 @@ module coulter_results_run_log
       real(wp) :: phase_seconds(n_phases) = 0.0_wp
       !> Whole steps, iterations and new tilings so far.
       integer :: n_steps = 0, n_iterations = 0, n_retilings = 0
+      !> Phase whose heading was written last.
+      integer :: phase = 0
    contains
       procedure :: start => start_log
       procedure :: step_done => log_step
@@ -105,6 +107,11 @@ contains
       if (report%is_complete) self%n_steps = self%n_steps + 1
       if (report%has_retiled) self%n_retilings = self%n_retilings + 1
       call hide_progress(self)
+      if (allocated(model%schedule%phases) .and. report%phase /= self%phase) then
+         self%phase = report%phase
+         write (self%unit, "(2x, a)") "phase "//to_text(report%phase)//": " &
+            //model%schedule%phases(report%phase)%name
+      end if
       write (self%unit, "(a)") step_line(report)
       call write_reactions(self%unit, model, report)
       if (report%condition > 0.0_wp) then

@@ -6,6 +6,7 @@ module coulter_results_scene
       formulation_nitsche, kind_roller
    use coulter_grid, only: grid_type
    use coulter_model, only: model_type, units_type
+   use coulter_model_control, only: phase_type
    use coulter_results_hdf5_io, only: hdf5_file_type, kind_integer, kind_real
    implicit none(type, external)
    private
@@ -29,6 +30,7 @@ contains
       call file%describe("grid/origin", "position of the lower corner", model%units%length)
       call file%describe("grid/spacing", "edge lengths of a cell", model%units%length)
       call put_body_names(file, model)
+      if (allocated(model%schedule%phases)) call put_phases(file, model%schedule%phases)
       call put_boundaries(file, model%boundaries)
       call file%describe("boundaries/vertices", "corners of all boundaries in every frame", &
                          model%units%length)
@@ -94,6 +96,24 @@ contains
       call file%add_group("bodies")
       call file%put_texts("bodies/name", names)
    end subroutine put_body_names
+
+   !> Write names and last steps of the phases.
+   subroutine put_phases(file, phases)
+      type(hdf5_file_type), intent(inout) :: file
+      type(phase_type), intent(in) :: phases(:)
+      character(len=name_length) :: names(size(phases))
+      integer :: i
+
+      do i = 1, size(phases)
+         names(i) = phases(i)%name
+      end do
+      call file%add_group("phases")
+      call file%put_texts("phases/name", names)
+      call file%add_rows("phases/last_step", kind_integer, [integer ::], size(phases))
+      call file%put_integers("phases/last_step", 0_long, size(phases), &
+                             int(phases%last_step, long))
+      call file%describe("phases/last_step", "number of the last step of every phase")
+   end subroutine put_phases
 
    !> Write names and kinds of the boundaries and make room for their corners.
    subroutine put_boundaries(file, boundaries)

@@ -6,7 +6,7 @@ module coulter_step_assembly
    use coulter_boundary_ibm, only: station_kernel_2d
    use coulter_boundary_motion, only: motion_type
    use coulter_grid_shape, only: shape_gradients_2d
-   use coulter_model, only: boundary_motion, load_factor, model_type
+   use coulter_model, only: body_force_factor, boundary_motion, model_type
    use coulter_step_body_field, only: add_body_field
    use coulter_step_edge_loads, only: add_pressures, add_tractions
    use coulter_step_patch_assembly, only: add_patches
@@ -59,7 +59,7 @@ contains
       if (allocated(system%nodal_mass)) then
          do i = 1, 2
             system%external(i, :) = system%nodal_mass*model%body_force%acceleration(i) &
-               *load_factor(model, model%body_force%table, system%end_time)
+               *body_force_factor(model, system%end_time)
          end do
       end if
       if (allocated(model%body_force%field)) call add_body_field(system, model)

@@ -198,6 +198,7 @@ contains
       allocate (dofs%fixity(2, cells%n_nodes), source=0)
       slack = 1.0e-6_wp*grid%smallest_spacing()
       do f = 1, size(fixities)
+         if (.not. fixities(f)%is_active) cycle
          do node = 1, cells%n_nodes
             position = grid%node_position(cells%node_index(:, node))
             if (any(position < fixities(f)%lower - slack)) cycle

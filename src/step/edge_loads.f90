@@ -2,7 +2,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_edge_loads
    use coulter_base_kinds, only: wp
-   use coulter_model, only: load_factor, model_type
+   use coulter_model, only: edge_load_factor, model_type
    use coulter_step_system, only: system_type
    use coulter_step_tile_map, only: spread_to_nodes
    use coulter_step_tile_scatter, only: add_at_corners, scatter_tile
@@ -28,7 +28,7 @@ contains
             do v = 1, 2
                associate (force => at_corners(:, model%tiling%corner(edge%vertex(v), edge%tile)))
                   force = force + 0.5_wp*edge%length*model%edge_loads(edge%load)%traction &
-                     *load_factor(model, model%edge_loads(edge%load)%table, system%end_time)
+                     *edge_load_factor(model, edge%load, system%end_time)
                end associate
             end do
          end associate
@@ -52,7 +52,7 @@ contains
       do e = 1, size(system%loaded_edges)
          associate (edge => system%loaded_edges(e))
             pressure = model%edge_loads(edge%load)%pressure &
-               *load_factor(model, model%edge_loads(edge%load)%table, system%end_time)
+               *edge_load_factor(model, edge%load, system%end_time)
             associate (corner => model%tiling%corner(:, edge%tile))
                call press(pressure, edge%vertex, model%tiling%position(:, corner) &
                           + system%map%increment(:, corner), force, stiffness)

@@ -34,7 +34,7 @@ contains
 
       if (.not. any(model%boundaries%is_tool)) return
       do b = 1, size(model%boundaries)
-         if (.not. model%boundaries(b)%is_tool) cycle
+         if (.not. (model%boundaries(b)%is_tool .and. model%boundaries(b)%is_active)) cycle
          motion = boundary_motion(model, b, system%start_time, system%end_time)
          do e = 1, size(model%tiling%outer_edge, 2)
             associate (corner => model%tiling%outer_edge(1, e))

@@ -111,8 +111,9 @@ contains
       type(model_type), intent(in) :: model
       integer :: b
 
-      allocate (report%penetrations(size(model%boundaries)))
+      allocate (report%penetrations(size(model%boundaries)), source=0.0_wp)
       do b = 1, size(report%penetrations)
+         if (.not. model%boundaries(b)%is_active) cycle
          if (allocated(model%tiling)) then
             report%penetrations(b) = penetration(model%boundaries(b), model%tiling%position, &
                                                  model%grid%smallest_spacing())
@@ -193,6 +194,7 @@ contains
 
       report%warnings = ""
       do b = 1, size(model%boundaries)
+         if (.not. model%boundaries(b)%is_active) cycle
          associate (loaded => system%loaded_length(b), &
                     lost => system%lost_length(b), boundary => model%boundaries(b))
             if (lost > notable_share*(loaded + lost)) then

@@ -81,6 +81,7 @@ contains
 
       way = 0.0_wp
       do b = 1, size(model%boundaries)
+         if (.not. model%boundaries(b)%is_active) cycle
          way = max(way, largest_shift(boundary_motion(model, b, system%start_time, &
                                                       system%end_time), &
                                       model%boundaries(b)%vertices))
@@ -237,6 +238,7 @@ contains
       is_free = .false.
       is_free(tiling%outer_edge(1, :)) = .true.
       do b = 1, size(model%boundaries)
+         if (.not. model%boundaries(b)%is_active) cycle
          do c = 1, tiling%n_corners
             if (is_free(c)) is_free(c) = .not. is_near_face(model%boundaries(b), &
                                                             tiling%position(:, c), near)

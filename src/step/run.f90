@@ -9,6 +9,7 @@ module coulter_step_run
    use coulter_model_observer, only: n_phases, observer_type, phase_output, scene_report_type, &
       step_report_type
    use coulter_step, only: advance_step, prepare_system
+   use coulter_step_phases, only: begin_phase
    use coulter_step_report, only: report_scene
    use coulter_step_system, only: system_type
    implicit none(type, external)
@@ -38,6 +39,9 @@ contains
          call observer%start(model, scene, error)
          do step = 1, size(model%schedule%end_time)
             if (allocated(error)) exit
+            associate (phase => model%schedule%phase_of(step))
+               if (phase > model%schedule%phase_of(step - 1)) call begin_phase(model, system, phase)
+            end associate
             call run_load_step(model, system, step, reported, observer, error)
          end do
          call observer%finish(model, error, system%watch%seconds - reported)
@@ -106,6 +110,7 @@ contains
             return
          end if
          report%step = step
+         report%phase = model%schedule%phase_of(step)
          report%is_complete = model%time >= last_time
          report%n_halvings = n_halvings
          report%phase_seconds = system%watch%seconds - reported
