@@ -72,6 +72,7 @@ contains
       call refuse_others(deck, group, test)
       select case (test)
       case (triaxial)
+         stage%is_round = .true.
          call drive_by(deck, group, "lateral_stress", .true., stage, xx)
          call drive_by(deck, group, "lateral_stress", .true., stage, zz)
       case (biaxial)

@@ -14,6 +14,8 @@ module coulter_sample_control
    type :: demand_type
       !> Is a component driven by stress?
       logical :: is_stress(4) = .false.
+      !> Are the strains xx and zz equal, and the sum of their stresses driven?
+      logical :: is_round = .false.
       !> Changes of the strains that are given.
       real(wp) :: change(4) = 0.0_wp
       !> Stresses to reach where they are given.
@@ -49,13 +51,11 @@ contains
       !> Why it was not reached; unallocated when it was.
       character(len=:), allocatable, intent(out) :: failure
       real(wp) :: change(4), jacobian(4, 4), error(4), scale
-      real(wp), allocatable :: correction(:)
-      integer, allocatable :: free(:)
-      integer :: i
+      real(wp), allocatable :: modes(:, :), correction(:)
       logical :: has_failed
 
-      free = pack([(i, i=1, 4)], demand%is_stress)
-      allocate (correction(size(free)))
+      modes = free_modes(demand)
+      allocate (correction(size(modes, 2)))
       change = merge(0.0_wp, demand%change, demand%is_stress)
       do n_iterations = 0, most_iterations
          call strain_state(law, old, change, demand%time_step, verdict, new, jacobian, has_failed)
@@ -64,18 +64,38 @@ contains
             if (allocated(verdict%message)) failure = verdict%message
             return
          end if
-         error = merge(new%stress - demand%stress, 0.0_wp, demand%is_stress)
+         error = new%stress - demand%stress
          scale = max(norm2(new%stress), norm2(demand%stress), least_strain*maxval(abs(jacobian)))
-         if (norm2(error) <= tolerance*scale) return
-         call solve_dense(jacobian(free, free), -error(free), correction, has_failed)
-         if (.not. has_failed) has_failed = maxval(abs(change(free) + correction)) &
-            > largest_strain
+         if (norm2(matmul(error, modes)) <= tolerance*scale) return
+         call solve_dense(matmul(transpose(modes), matmul(jacobian, modes)), &
+                          -matmul(error, modes), correction, has_failed)
+         if (.not. has_failed) change = change + matmul(modes, correction)
+         if (maxval(abs(change)) > largest_strain) has_failed = .true.
          if (has_failed) exit
-         change(free) = change(free) + correction
       end do
       failure = "the stress cannot be reached: after "//to_text(most_iterations) &
-         //" corrections it is "//to_text(norm2(error)/scale, 3)//" of its size away"
+         //" corrections it is "//to_text(norm2(matmul(error, modes))/scale, 3) &
+         //" of its size away"
       if (has_failed) failure = "the stress cannot be reached: the sample has no stiffness left"
    end subroutine reach
+
+   !> Strains that stresses drive, one in a column.
+   pure function free_modes(demand) result(modes)
+      type(demand_type), intent(in) :: demand
+      real(wp), allocatable :: modes(:, :)
+      integer :: i, n
+      logical :: is_free(4)
+
+      is_free = demand%is_stress
+      if (demand%is_round) is_free(3) = .false.
+      allocate (modes(4, count(is_free)), source=0.0_wp)
+      n = 0
+      do i = 1, 4
+         if (.not. is_free(i)) cycle
+         n = n + 1
+         modes(i, n) = 1.0_wp
+         if (i == 1 .and. demand%is_round) modes(3, n) = 1.0_wp
+      end do
+   end function free_modes
 
 end module coulter_sample_control

@@ -60,6 +60,7 @@ contains
       first = state%stress
       last = merge(first, stage%target, stage%is_kept)
       demand%is_stress = stage%is_stress
+      demand%is_round = stage%is_round
       demand%change = stage%target/real(stage%n_increments, wp)
       demand%time_step = stage%duration/real(stage%n_increments, wp)
       do i = 1, stage%n_increments

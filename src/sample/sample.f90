@@ -27,6 +27,9 @@ module coulter_sample
       integer :: sample = 0
       !> Is a component driven by stress?
       logical :: is_stress(4) = .false.
+      !> Does the sample stay round: are the strains xx and zz equal? The mean of their stresses is
+      !> then driven: at edges of a yield surface the two have no answer of their own.
+      logical :: is_round = .false.
       !> Is a stress kept as it is when the stage begins?
       logical :: is_kept(4) = .false.
       !> Change of a strain, or Cauchy stress to reach.
