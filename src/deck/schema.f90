@@ -359,7 +359,7 @@ module coulter_deck_schema
       variable_rule_type("stage", "axial_stress", "real", 1, 1, "stress", "(or axial_strain)", "", &
          "Cauchy stress yy to reach"), &
       variable_rule_type("stage", "lateral_stress", "real", 1, 1, "stress", "(kept)", "", &
-         "triaxial: Cauchy stress xx = zz to reach; biaxial: xx"), &
+         "triaxial: Cauchy stress to reach as the mean of xx and zz; biaxial: xx"), &
       variable_rule_type("stage", "shear_strain", "real", 1, 1, "", "(or shear_stress)", "", &
          "shear: change of the shear strain, displacement along x over height"), &
       variable_rule_type("stage", "shear_stress", "real", 1, 1, "stress", "(or shear_strain)", "", &
