@@ -28,6 +28,8 @@ module coulter_algebra_sparse
       integer(c_int), allocatable :: column_start(:)
       !> Row of every entry, zero-based, ascending in each column, shape (n_entries).
       integer(c_int), allocatable :: row(:)
+      !> Has the column the same rows as the one before, which has no such twin itself, shape (n)?
+      logical, allocatable :: is_twin(:)
       !> First value of every element in `slot`, shape (n_elements + 1).
       integer, allocatable :: slot_start(:)
       !> Entry (from 1) of every value of the element matrices, columns first; 0: left out.
@@ -50,7 +52,7 @@ contains
       call transpose_elements(elements, n, user_start, user, owner)
       call allocate_slots(pattern, elements)
       pattern%n = n
-      allocate (pattern%column_start(n + 1), place(n), rows(n))
+      allocate (pattern%column_start(n + 1), pattern%is_twin(n), place(n), rows(n))
       allocate (pattern%row(size(pattern%slot)))
       place = 0
       pattern%column_start(1) = 0
@@ -62,6 +64,7 @@ contains
          end do
          call fill_slots(column)
          place(rows(:n_rows)) = 0
+         call find_twin(column)
          pattern%n_entries = pattern%n_entries + n_rows
          pattern%column_start(column + 1) = pattern%n_entries
       end do
@@ -88,6 +91,18 @@ contains
          end do
          call sort_ascending(rows(:n_rows))
       end subroutine collect_rows
+
+      !> Compare with the column before.
+      subroutine find_twin(column)
+         integer, intent(in) :: column
+         integer :: first
+
+         pattern%is_twin(column) = .false.
+         if (column == 1) return
+         first = pattern%column_start(column - 1) + 1
+         if (pattern%is_twin(column - 1) .or. pattern%n_entries - first + 1 /= n_rows) return
+         pattern%is_twin(column) = all(pattern%row(first:pattern%n_entries) == rows(:n_rows) - 1)
+      end subroutine find_twin
 
       !> Note where the values of all elements in this column go.
       subroutine fill_slots(column)
@@ -164,7 +179,8 @@ contains
       if (column <= pattern%n) mirror = mirror(:0)
    end subroutine find_mirror
 
-   !> Matrix times vector, y = A x.
+   !> Matrix times vector, y = A x. Columns with the same rows, such as those of one node, go
+   !> together.
    pure subroutine multiply(pattern, values, x, y)
       !> Pattern of A.
       type(pattern_type), intent(in) :: pattern
@@ -174,13 +190,26 @@ contains
       real(wp), intent(in) :: x(:)
       !> Product, shape (n).
       real(wp), intent(out) :: y(:)
-      integer :: column, k
+      integer :: column, k, row, next
 
       y = 0.0_wp
       do column = 1, pattern%n
-         do k = pattern%column_start(column) + 1, pattern%column_start(column + 1)
-            y(pattern%row(k) + 1) = y(pattern%row(k) + 1) + values(k)*x(column)
-         end do
+         if (pattern%is_twin(column)) cycle
+         next = 0
+         if (column < pattern%n) next = merge(column + 1, 0, pattern%is_twin(column + 1))
+         if (next > 0) then
+            associate (m => pattern%column_start(next) - pattern%column_start(column))
+               do k = pattern%column_start(column) + 1, pattern%column_start(next)
+                  row = pattern%row(k) + 1
+                  y(row) = y(row) + values(k)*x(column) + values(k + m)*x(next)
+               end do
+            end associate
+         else
+            do k = pattern%column_start(column) + 1, pattern%column_start(column + 1)
+               row = pattern%row(k) + 1
+               y(row) = y(row) + values(k)*x(column)
+            end do
+         end if
       end do
    end subroutine multiply
 
