@@ -19,6 +19,7 @@ program main
    use coulter_results, only: new_results, provenance_type, results_type
    use coulter_results_log_scene, only: write_scene
    use coulter_results_run_log, only: new_run_log, run_log_type
+   use coulter_results_tool_table, only: new_tool_table, tool_table_type
    use coulter_sample, only: test_plan_type
    use coulter_step_run, only: describe_scene, run_model
    use coulter_version, only: build_type, compiler, compiler_flags, git_revision, version
@@ -106,6 +107,7 @@ contains
       type(deck_type), intent(in) :: deck
       type(observer_list_type) :: observers
       type(results_type) :: results
+      type(tool_table_type) :: table
       type(run_log_type) :: log
       type(error_type), allocatable :: error
 
@@ -113,6 +115,8 @@ contains
                        error)
       call stop_on(error, 2, "coulter: ")
       call observers%add(results)
+      call new_tool_table(table, command%directory, output%name)
+      call observers%add(table)
       if (.not. command%is_quiet) then
          call new_run_log(log, output_unit, is_terminal(standard_output))
          call observers%add(log)

@@ -1,4 +1,4 @@
-"""Command line: `python -m coulter_post figures|summary FILE`, `... point FILE...`."""
+"""Command line: `python -m coulter_post figures|animate|summary FILE`, `... point FILE...`."""
 
 from __future__ import annotations
 
@@ -35,6 +35,13 @@ def _parser() -> argparse.ArgumentParser:
     draw.add_argument("--output", type=Path, help="directory of the figures, default: of the file")
     draw.set_defaults(command=_draw)
 
+    movie = commands.add_parser("animate", help="draw all frames as a GIF, or MP4 with ffmpeg")
+    movie.add_argument("file", type=Path, help="results file")
+    movie.add_argument("--field", choices=sorted(FIELDS), default="ux", help="colour of the points")
+    movie.add_argument("--fps", type=float, default=8.0, help="frames per second")
+    movie.add_argument("--output", type=Path, help="the film, default: NAME_FIELD.gif")
+    movie.set_defaults(command=_animate)
+
     summary = commands.add_parser("summary", help="print a table of the steps")
     summary.add_argument("file", type=Path, help="results file")
     summary.set_defaults(
@@ -62,6 +69,8 @@ def _draw(options: argparse.Namespace) -> None:
     drawn = {
         f"frames_{options.field}": figures.draw_frames(results, options.steps, options.field),
         "forces": figures.draw_forces(results),
+        "tools": figures.draw_tools(results),
+        "tractions": figures.draw_tractions(results, options.steps),
         "convergence": figures.draw_convergence(results),
     }
     for name, figure in drawn.items():
@@ -69,6 +78,14 @@ def _draw(options: argparse.Namespace) -> None:
             path = directory / f"{results.path.stem}_{name}.png"
             figure.savefig(path, dpi=150)
             print(path)
+
+
+def _animate(options: argparse.Namespace) -> None:
+    results = Results(options.file)
+    path = options.output or results.path.with_name(f"{results.path.stem}_{options.field}.gif")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figures.animate(results, path, options.field, options.fps)
+    print(path)
 
 
 def _summary(results: Results) -> list[str]:

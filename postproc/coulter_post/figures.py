@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.animation import FFMpegWriter, PillowWriter
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
@@ -113,6 +117,139 @@ def draw_forces(results: Results) -> Figure | None:
         panel.set_axisbelow(True)
         panel.legend()
     return figure
+
+
+def draw_tools(results: Results) -> Figure | None:
+    """Force, moment, contact length and stations of every tool; None without tools."""
+    history = results.history
+    tools = [i for i, b in enumerate(results.frame(0).boundaries) if b.is_tool]
+    if not tools or len(history["step"]) == 0:
+        return None
+    units = results.units
+    length, force = units.get("length", ""), units.get("force", "")
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 5.6), layout="constrained")
+        panels = figure.subplots(2, 2).ravel()
+        for index in tools:
+            name = results.boundary_names[index]
+            way, label = _way_of(history, index, length)
+            reaction = -history["boundary_reactions"][:, index]
+            panels[0].plot(way, reaction[:, 0], label=f"{name}, x")
+            panels[0].plot(way, reaction[:, 1], "--", label=f"{name}, y")
+            panels[1].plot(way, -history["moments"][:, index], label=name)
+            panels[2].plot(way, history["loaded_lengths"][:, index], label=name)
+            panels[3].plot(way, history["n_sticking"][:, index], label=f"{name}, stick")
+            panels[3].plot(way, history["n_slipping"][:, index], "--", label=f"{name}, slip")
+        quantities = (
+            (_with_unit("force", force), "force on the tool"),
+            (_with_unit("moment", f"{force} {length}".strip()), "moment on the tool"),
+            (_with_unit("length", length), "length in contact"),
+            ("stations", "stations that stick and slip"),
+        )
+        for panel, (quantity, title) in zip(panels, quantities, strict=True):
+            panel.set(xlabel=label, ylabel=quantity, title=title)
+            panel.grid(color=GRID_COLOUR)
+            panel.set_axisbelow(True)
+            panel.legend(fontsize=7.5)
+    return figure
+
+
+def _way_of(history: dict[str, np.ndarray], index: int, length: str) -> tuple[np.ndarray, str]:
+    """How far a boundary has come along its path, or turned if it stays, or the time."""
+    steps = np.diff(history["boundary_displacements"][:, index], axis=0, prepend=0.0)
+    way = np.cumsum(np.linalg.norm(steps, axis=1))
+    turn = np.degrees(history["rotations"][:, index])
+    if way[-1] > 0.0 and not np.any(turn):
+        return way, _with_unit("way of the tool", length)
+    if way[-1] == 0.0 and np.any(turn):
+        return turn, "rotation of the tool (degrees)"
+    return history["time"], "time"
+
+
+def draw_tractions(results: Results, steps: Sequence[int] | None = None) -> Figure | None:
+    """Normal pressure and shear along the outline of every tool; None where nothing touches."""
+    frames = [frame for frame in _chosen_frames(results, steps) if frame.stations is not None]
+    tools = [i for i, b in enumerate(results.frame(0).boundaries) if b.is_tool]
+    frames = [f for f in frames if np.isin(f.stations.boundary, np.add(tools, 1)).any()]
+    if not frames:
+        return None
+    length, stress = results.units.get("length", ""), results.units.get("stress", "")
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 2.9 * len(tools)), layout="constrained")
+        panels = figure.subplots(len(tools), 2, squeeze=False)
+        for row, index in zip(panels, tools, strict=True):
+            for number, frame in enumerate(frames):
+                colour = mpl.colormaps["viridis"](0.9 * number / max(1, len(frames) - 1))
+                way, traction = _along_tool(frame, index)
+                row[0].plot(way, -traction[:, 0], ".-", color=colour, label=_frame_title(frame))
+                row[1].plot(way, traction[:, 1], ".-", color=colour)
+            name = results.boundary_names[index]
+            row[0].set(title=f"{name}: pressure", ylabel=_with_unit("pressure", stress))
+            row[1].set(title=f"{name}: shear", ylabel=_with_unit("shear", stress))
+            for panel in row:
+                panel.set_xlabel(_with_unit("distance along the outline", length))
+                panel.grid(color=GRID_COLOUR)
+                panel.set_axisbelow(True)
+            row[0].legend(fontsize=7.5)
+    return figure
+
+
+def _along_tool(frame: Frame, index: int) -> tuple[np.ndarray, np.ndarray]:
+    """Distance along the outline of a tool and traction of its stations, in that order."""
+    line = frame.boundaries[index].polyline()
+    mine = frame.stations.boundary == index + 1
+    places, traction = frame.stations.position[mine], frame.stations.traction[mine]
+    along = np.diff(line, axis=0)
+    lengths = np.linalg.norm(along, axis=1)
+    share = np.einsum("pki,ki->pk", places[:, None] - line[None, :-1], along) / lengths**2
+    share = np.clip(share, 0.0, 1.0)
+    feet = line[None, :-1] + share[..., None] * along
+    nearest = np.linalg.norm(places[:, None] - feet, axis=2).argmin(axis=1)
+    starts = np.concatenate([[0.0], np.cumsum(lengths)])
+    way = starts[nearest] + share[np.arange(len(nearest)), nearest] * lengths[nearest]
+    # both ends of neighbouring edges stand at one place: their mean
+    places, number = np.unique(np.round(way, 9), return_inverse=True)
+    weight = frame.stations.length[mine]
+    total = np.bincount(number, weight)
+    mean = [np.bincount(number, weight * component) / total for component in traction.T]
+    if len(places) > 1 and np.allclose(line[0], line[-1]):
+        # what a closed outline cuts in two is shown in one piece
+        seam = np.diff(places, append=places[0] + starts[-1]).argmax() + 1
+        places = np.where(np.arange(len(places)) < seam, places + starts[-1], places)
+        order = np.argsort(places)
+        return places[order], np.column_stack(mean)[order]
+    return places, np.column_stack(mean)
+
+
+def animate(results: Results, path: Path, field: str = "ux", frames_per_second: float = 8.0) -> None:
+    """All frames as a moving picture: GIF, or MP4 where ffmpeg is installed."""
+    frames = [results.frame(index) for index in range(results.n_frames)]
+    quantity = FIELDS[field]
+    values = [quantity.of(frame) for frame in frames]
+    norm, extend = _colour_limits(values)
+    view = _view(frames, results.grid)
+    writer = PillowWriter if path.suffix.lower() == ".gif" else FFMpegWriter
+    with mpl.rc_context(STYLE):
+        figure, (panel,) = _panels(1, view)
+        FigureCanvasAgg(figure)
+        shade = ScalarMappable(norm=norm, cmap="viridis")
+        bar = figure.colorbar(shade, ax=panel, shrink=0.8, aspect=35, pad=0.015, extend=extend)
+        bar.set_label(_with_unit(quantity.label, results.unit(quantity.source)))
+        bar.outline.set_visible(False)
+        movie = writer(fps=frames_per_second)
+        with movie.saving(figure, str(path), dpi=100):
+            for frame, value in zip(frames, values, strict=True):
+                panel.clear()
+                _draw_grid(panel, results.grid, view)
+                cells = PolyCollection(frame.outlines(), array=value, norm=norm, cmap="viridis")
+                cells.set(linewidths=0.25, edgecolors="face")
+                panel.add_collection(cells)
+                _draw_outline(panel, frame)
+                for boundary in frame.boundaries:
+                    _draw_boundary(panel, boundary, view)
+                panel.set_title(_frame_title(frame))
+                _set_view(panel, view)
+                movie.grab_frame()
 
 
 def draw_convergence(results: Results) -> Figure | None:
@@ -234,7 +371,7 @@ def _draw_outline(panel: Axes, frame: Frame) -> None:
 
 def _draw_boundary(panel: Axes, boundary: Boundary, view: np.ndarray) -> None:
     """The polyline, with its name outside the material, where most of a segment is in view."""
-    panel.plot(*boundary.vertices.T, color=INK, linewidth=2.0, solid_capstyle="round")
+    panel.plot(*boundary.polyline().T, color=INK, linewidth=2.0, solid_capstyle="round")
     share = np.linspace(0.0, 1.0, 101)[:, None]
     seen, along = [], np.zeros(2)
     for start, end in zip(boundary.vertices[:-1], boundary.vertices[1:], strict=True):

@@ -42,6 +42,29 @@ class Boundary:
     name: str
     kind: str
     vertices: np.ndarray
+    is_tool: bool = False
+    bulges: np.ndarray | None = None
+
+    def polyline(self) -> np.ndarray:
+        """Corners with the arcs between them, (n, 2)."""
+        if self.bulges is None or not np.any(self.bulges):
+            return self.vertices
+        points = [self.vertices[:1]]
+        ends = zip(self.vertices[:-1], self.vertices[1:], self.bulges, strict=False)
+        for first, last, bulge in ends:
+            points.append(_arc(first, last, bulge) if bulge else last[None])
+        return np.concatenate(points)
+
+
+@dataclass(frozen=True)
+class Stations:
+    """Where walls and tools press in one frame; traction (n, 2): normal, tension positive, shear."""
+
+    boundary: np.ndarray
+    slip: np.ndarray
+    position: np.ndarray
+    length: np.ndarray
+    traction: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -54,6 +77,7 @@ class Frame:
     position: np.ndarray
     data: dict[str, np.ndarray]
     boundaries: list[Boundary]
+    stations: Stations | None = None
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.data[name]
@@ -246,15 +270,44 @@ def _frame(file: h5py.File, index: int) -> Frame:
         position=root["Points"][rows],
         data={name: data[rows] for name, data in root["PointData"].items()},
         boundaries=_boundaries(file["boundaries"], index),
+        stations=_stations(file["stations"], index) if "stations" in file else None,
     )
+
+
+def _stations(group: h5py.Group, index: int) -> Stations:
+    first = int(group["first_row"][index])
+    rows = slice(first, first + int(group["n_rows"][index]))
+    return Stations(
+        boundary=group["boundary"][rows],
+        slip=group["slip"][rows],
+        position=group["position"][rows],
+        length=group["length"][rows],
+        traction=group["traction"][rows],
+    )
+
+
+def _arc(first: np.ndarray, last: np.ndarray, bulge: float) -> np.ndarray:
+    """Points along an arc after its first end."""
+    chord = last - first
+    left = np.array([-chord[1], chord[0]])
+    centre = 0.5 * (first + last) + left * (1.0 - bulge**2) / (4.0 * bulge)
+    angle = 4.0 * np.arctan(bulge)
+    turns = np.linspace(0.0, angle, max(2, int(np.ceil(abs(angle) / 0.05)) + 1))[1:]
+    arm = first - centre
+    across = np.array([-arm[1], arm[0]])
+    return centre + np.cos(turns)[:, None] * arm + np.sin(turns)[:, None] * across
 
 
 def _boundaries(group: h5py.Group, index: int) -> list[Boundary]:
     ends, corners = group["offsets"][:], group["vertices"][index]
+    bulges = group["bulges"][:] if "bulges" in group else np.zeros(len(corners))
+    is_tool = group["is_tool"][:] if "is_tool" in group else np.zeros(len(ends) - 1)
     return [
-        Boundary(_text(name), _text(kind), corners[first:last])
-        for name, kind, first, last in zip(
-            group["name"], group["kind"], ends[:-1], ends[1:], strict=True
+        Boundary(
+            _text(name), _text(kind), corners[first:last], bool(tool), bulges[first : last - 1]
+        )
+        for name, kind, tool, first, last in zip(
+            group["name"], group["kind"], is_tool, ends[:-1], ends[1:], strict=True
         )
     ]
 

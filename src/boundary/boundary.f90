@@ -76,6 +76,8 @@ module coulter_boundary
       !> Total rotation at a table value of 1, counter-clockwise, radians, and its table.
       real(wp) :: rotation = 0.0_wp
       integer :: rotation_table = 0
+      !> Displacement and rotation since the start, length units and radians.
+      real(wp) :: travel(2) = 0.0_wp, turned = 0.0_wp
       !> Current centre of the rotation, length units; it moves with the displacement.
       real(wp) :: centre(2) = 0.0_wp
    contains

@@ -4,6 +4,7 @@ module coulter_model_observer
    use coulter_base_error, only: error_type
    use coulter_base_kinds, only: long, wp
    use coulter_model, only: model_type
+   use coulter_model_contact_report, only: contact_report_type, station_report_type
    implicit none(type, external)
    private
    public :: observer_type, observer_item_type, step_report_type, scene_report_type
@@ -60,6 +61,11 @@ module coulter_model_observer
       real(wp) :: condition = 0.0_wp
       !> Force of every boundary on the body, force per thickness, shape (2, n_boundaries).
       real(wp), allocatable :: boundary_reactions(:, :)
+      !> What every boundary feels beside that, shape (n_boundaries), and all stations in contact.
+      type(contact_report_type), allocatable :: contacts(:)
+      type(station_report_type), allocatable :: stations(:)
+      !> Sum of all forces on the bodies: what equilibrium lacks, force per thickness.
+      real(wp) :: imbalance(2) = 0.0_wp
       !> Force of every fixity on the body, force per thickness, shape (2, n_fixities).
       real(wp), allocatable :: fixity_reactions(:, :)
       !> Deepest point behind every boundary, length units, 0 if none, shape (n_boundaries).

@@ -4,7 +4,7 @@ module coulter_results_history
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use coulter_base_kinds, only: long, wp
    use coulter_base_text, only: last_of_line
-   use coulter_model, only: load_factor, model_type
+   use coulter_model, only: model_type
    use coulter_model_observer, only: n_phases, phase_names, step_report_type
    use coulter_results_hdf5_io, only: hdf5_file_type, kind_integer, kind_real, kind_text
    implicit none(type, external)
@@ -158,7 +158,55 @@ contains
       call add_integer(file, "has_retiled", "1 where the bodies were tiled anew after the step")
       call add_real(file, "body_force", [2], "total body force", model%units%force)
       call put_fixity_names(file, model)
+      call add_contact_columns(file, model)
    end subroutine add_boundary_columns
+
+   !> Columns on what walls and tools feel.
+   subroutine add_contact_columns(file, model)
+      type(hdf5_file_type), intent(inout) :: file
+      type(model_type), intent(in) :: model
+      integer :: n
+
+      n = size(model%boundaries)
+      call add_real(file, "pivots", [2, n], "pivot of every boundary", model%units%length)
+      call add_real(file, "rotations", [n], "rotation of every boundary since the start", "rad")
+      call add_real(file, "moments", [n], "moment of every boundary on the bodies about its pivot")
+      call add_real(file, "works", [n], "work of every boundary on the bodies since the start")
+      call add_real(file, "pressing_forces", [n], "sum of all forces along the normals", &
+                    model%units%force)
+      call add_real(file, "rubbing_forces", [n], "sum of all shear forces, without their signs", &
+                    model%units%force)
+      call add_integer(file, "n_acting", "stations of every boundary in contact", [n])
+      call add_integer(file, "n_sticking", "stations of every boundary that stick", [n])
+      call add_integer(file, "n_slipping", "stations of every boundary that slip", [n])
+      call add_real(file, "imbalance", [2], "sum of all forces on the bodies", model%units%force)
+   end subroutine add_contact_columns
+
+   !> Row of the columns on what walls and tools feel.
+   subroutine put_contact_columns(file, row, report)
+      type(hdf5_file_type), intent(inout) :: file
+      integer(long), intent(in) :: row
+      type(step_report_type), intent(in) :: report
+      real(wp) :: pivots(2, size(report%contacts))
+      integer :: i, n
+
+      n = size(report%contacts)
+      do i = 1, n
+         pivots(:, i) = report%contacts(i)%centre
+      end do
+      associate (c => report%contacts)
+         call file%put_reals("history/pivots", row, 2*n, pivots)
+         call file%put_reals("history/rotations", row, n, c%rotation)
+         call file%put_reals("history/moments", row, n, c%moment)
+         call file%put_reals("history/works", row, n, c%work)
+         call file%put_reals("history/pressing_forces", row, n, c%pressing)
+         call file%put_reals("history/rubbing_forces", row, n, c%rubbing)
+         call file%put_integers("history/n_acting", row, n, int(c%n_acting, long))
+         call file%put_integers("history/n_sticking", row, n, int(c%n_sticking, long))
+         call file%put_integers("history/n_slipping", row, n, int(c%n_slipping, long))
+      end associate
+      call file%put_reals("history/imbalance", row, 2, report%imbalance)
+   end subroutine put_contact_columns
 
    !> Row of the columns on forces and boundaries.
    subroutine put_boundary_columns(file, row, model, report)
@@ -171,10 +219,7 @@ contains
 
       n = size(model%boundaries)
       do i = 1, n
-         associate (boundary => model%boundaries(i))
-            displacements(:, i) = boundary%displacement &
-               *load_factor(model, boundary%table, report%time, boundary%ramp_phase)
-         end associate
+         displacements(:, i) = report%contacts(i)%travel
       end do
       call file%put_reals("history/boundary_displacements", row, 2*n, displacements)
       call file%put_reals("history/boundary_reactions", row, 2*n, report%boundary_reactions)
@@ -186,6 +231,7 @@ contains
       call file%put_reals("history/worst_aspect", row, 1, [report%worst_aspect])
       call put_integer(file, "has_retiled", row, merge(1, 0, report%has_retiled))
       call file%put_reals("history/body_force", row, 2, report%body_force)
+      call put_contact_columns(file, row, report)
    end subroutine put_boundary_columns
 
    !> Lists of warnings: most steps have none, some have many.
@@ -254,11 +300,16 @@ contains
    end subroutine add_real
 
    !> Make a column of integers.
-   subroutine add_integer(file, name, description)
+   subroutine add_integer(file, name, description, row_shape)
       type(hdf5_file_type), intent(inout) :: file
       character(len=*), intent(in) :: name, description
+      integer, intent(in), optional :: row_shape(:)
 
-      call file%add_rows("history/"//name, kind_integer, [integer ::], chunk)
+      if (present(row_shape)) then
+         call file%add_rows("history/"//name, kind_integer, row_shape, chunk)
+      else
+         call file%add_rows("history/"//name, kind_integer, [integer ::], chunk)
+      end if
       call file%describe("history/"//name, description)
    end subroutine add_integer
 

@@ -6,6 +6,7 @@ module coulter_results
    use coulter_base_error, only: error_type
    use coulter_base_kinds, only: wp
    use coulter_model, only: model_type
+   use coulter_model_contact_report, only: station_report_type
    use coulter_model_observer, only: n_phases, observer_type, scene_report_type, step_report_type
    use coulter_model_output, only: output_type
    use coulter_results_frames, only: add_frames, frames_type, put_frame
@@ -13,6 +14,7 @@ module coulter_results
    use coulter_results_history, only: add_history, history_type, put_history
    use coulter_results_provenance, only: provenance_type, put_deck, put_provenance, put_status
    use coulter_results_scene, only: put_scene, put_shapes
+   use coulter_results_stations, only: add_stations, put_stations, stations_file_type
    implicit none(type, external)
    private
    public :: results_type, new_results, provenance_type
@@ -32,6 +34,7 @@ module coulter_results
       type(hdf5_file_type) :: file
       type(frames_type) :: frames
       type(history_type) :: history
+      type(stations_file_type) :: stations
       !> Number of the last step that was accepted, whole or in part.
       integer :: last_step = 0
       !> Does the file exist? A file of that name may be there from an earlier run.
@@ -92,6 +95,7 @@ contains
       type(scene_report_type), intent(in) :: scene
       !> Set when the file cannot be written.
       type(error_type), allocatable, intent(out) :: error
+      type(station_report_type) :: no_stations(0)
 
       call make_directory(self%directory, error)
       if (allocated(error)) return
@@ -103,8 +107,9 @@ contains
       call put_deck(self%file, self%deck_path, self%deck_text)
       call put_scene(self%file, model)
       call add_history(self%history, self%file, model)
+      call add_stations(self%file, model)
       call add_frames(self%frames, self%file, model, self%output)
-      call keep_frame(self, model, 0.0_wp)
+      call keep_frame(self, model, 0.0_wp, no_stations)
       call self%file%close(error)
    end subroutine start_results
 
@@ -122,7 +127,7 @@ contains
       call self%file%open()
       call put_history(self%history, self%file, model, report)
       if (is_frame_due(self%output, report, size(model%schedule%end_time))) then
-         call keep_frame(self, model, report%load_factor)
+         call keep_frame(self, model, report%load_factor, report%stations)
       end if
       call self%file%close(error)
    end subroutine put_step
@@ -137,23 +142,26 @@ contains
       !> Wall time by phase since the last report, seconds: its output and failed attempts.
       real(wp), intent(in) :: phase_seconds(n_phases)
       type(error_type), allocatable :: error
+      type(station_report_type) :: no_stations(0)
 
       if (.not. self%is_made) return
       call self%file%open()
       if (model%time > self%frames%last_time) then
-         call keep_frame(self, model, model%time/maxval(model%schedule%end_time))
+         call keep_frame(self, model, model%time/maxval(model%schedule%end_time), no_stations)
       end if
       call put_status(self%file, failure, phase_seconds)
       call self%file%close(error)
    end subroutine finish_results
 
    !> Append a frame.
-   subroutine keep_frame(self, model, load_factor)
+   subroutine keep_frame(self, model, load_factor, stations)
       type(results_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: load_factor
+      type(station_report_type), intent(in) :: stations(:)
 
       call put_shapes(self%file, model%boundaries, self%frames%n_frames)
+      call put_stations(self%stations, self%file, self%frames%n_frames, stations)
       call put_frame(self%frames, self%file, model, self%last_step, load_factor)
    end subroutine keep_frame
 

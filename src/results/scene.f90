@@ -145,8 +145,37 @@ contains
       call file%add_rows("boundaries/offsets", kind_integer, [integer ::], size(ends))
       call file%put_integers("boundaries/offsets", 0_long, size(ends), ends)
       call file%describe("boundaries/offsets", "first corner of every boundary; total at the end")
+      call put_shape_kinds(file, boundaries, int(ends(size(ends))))
       call file%add_rows("boundaries/vertices", kind_real, [2, int(ends(size(ends)))], 1)
    end subroutine put_boundaries
+
+   !> Write which boundaries are tools, and how their faces are bent: a bulge per corner, that of the
+   !> face that begins there.
+   subroutine put_shape_kinds(file, boundaries, n_corners)
+      type(hdf5_file_type), intent(inout) :: file
+      type(boundary_type), intent(in) :: boundaries(:)
+      integer, intent(in) :: n_corners
+      real(wp) :: bulges(n_corners)
+      integer :: b, s, n
+
+      bulges = 0.0_wp
+      n = 0
+      do b = 1, size(boundaries)
+         do s = 1, size(boundaries(b)%vertices, 2) - 1
+            bulges(n + s) = boundaries(b)%bulge(s)
+         end do
+         n = n + size(boundaries(b)%vertices, 2)
+      end do
+      call file%add_rows("boundaries/bulges", kind_real, [integer ::], max(n_corners, 1))
+      call file%put_reals("boundaries/bulges", 0_long, n_corners, bulges)
+      call file%describe("boundaries/bulges", "tangent of a quarter of the angle of the arc that" &
+                         //" begins at a corner, positive counter-clockwise; 0 if straight", "1")
+      call file%add_rows("boundaries/is_tool", kind_integer, [integer ::], &
+                         max(size(boundaries), 1))
+      call file%put_integers("boundaries/is_tool", 0_long, size(boundaries), &
+                             merge(1_long, 0_long, boundaries%is_tool))
+      call file%describe("boundaries/is_tool", "1 for rigid tools, 0 for walls")
+   end subroutine put_shape_kinds
 
    !> Word of the deck for the formulation of a boundary.
    pure function formulation_name(boundary) result(name)

@@ -248,6 +248,8 @@ contains
                boundary%vertices(:, i) = moved_by(motion, boundary%vertices(:, i))
             end do
             boundary%centre = boundary%centre + motion%translation
+            boundary%travel = boundary%travel + motion%translation
+            boundary%turned = boundary%turned + motion%rotation
          end associate
       end do
    end subroutine move_boundaries

@@ -11,6 +11,7 @@ module coulter_step_report
    use coulter_model_observer, only: scene_report_type, step_report_type
    use coulter_points, only: points_memory
    use coulter_points_tiling, only: measure_quality
+   use coulter_step_contact_report, only: report_contacts
    use coulter_step_dofs, only: reduce
    use coulter_step_newton, only: newton_type
    use coulter_step_system, only: system_memory, system_type
@@ -54,7 +55,7 @@ contains
       !> The scene at the end of the step.
       type(model_type), intent(in) :: model
       !> The system in equilibrium.
-      type(system_type), intent(in) :: system
+      type(system_type), intent(inout) :: system
       !> How the iteration went.
       type(newton_type), intent(in) :: newton
 
@@ -74,7 +75,10 @@ contains
       report%body_force = sum(system%external, dim=2)
       report%boundary_reactions = system%boundary_reaction
       call sum_fixity_reactions(report, model, system)
+      report%imbalance = report%body_force + sum(report%boundary_reactions, dim=2) &
+         + sum(report%fixity_reactions, dim=2)
       call measure_penetrations(report, model)
+      call report_contacts(report, model, system)
       if (allocated(model%tiling)) then
          call measure_quality(model%tiling, report%worst_corner, report%worst_aspect)
       end if

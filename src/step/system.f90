@@ -9,6 +9,7 @@ module coulter_step_system
    use coulter_boundary_edge_load, only: loaded_edge_type
    use coulter_boundary_stations, only: stations_type
    use coulter_grid_cells, only: cells_type
+   use coulter_model_contact_report, only: contact_report_type
    use coulter_law, only: law_verdict_type, law_visit_type
    use coulter_step_dofs, only: dofs_type
    use coulter_step_ghost, only: ghost_type
@@ -88,6 +89,10 @@ module coulter_step_system
       real(wp), allocatable :: loaded_length(:), lost_length(:)
       !> Force of every boundary on the body, shape (2, n_boundaries).
       real(wp), allocatable :: boundary_reaction(:, :)
+      !> What the boundaries felt at the end of the last step, to sum up their work; shapes
+      !> (n_boundaries) and (2, n_boundaries).
+      type(contact_report_type), allocatable :: last_report(:)
+      real(wp), allocatable :: last_reaction(:, :)
       !> Mass that each node carries, shape (n_nodes).
       real(wp), allocatable :: nodal_mass(:)
       !> What a law that failed had to say; there if somebody asks.

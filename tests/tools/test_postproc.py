@@ -183,6 +183,76 @@ def test_command_line_draws_and_prints(path, tmp_path, capsys):
     assert "top" in printed and "100 %" in printed
 
 
+@pytest.fixture(scope="module")
+def pipe(tmp_path_factory) -> Results:
+    """A pipe that is pressed into a coarse bed and turned."""
+    folder = tmp_path_factory.mktemp("pipe")
+    text = (SOURCE / "input/pipe/pipe.nml").read_text()
+    for old, new in (
+        ("spacing = 0.25, cells = 56, 32", "spacing = 0.5, cells = 28, 16"),
+        ("&steps count = 20 /", "&steps count = 5 /"),
+    ):
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    deck = folder / "pipe.nml"
+    deck.write_text(text)
+    subprocess.run([PROGRAM, deck, "--quiet", "--output", folder], check=True, timeout=120)
+    return Results(deck.with_suffix(".vtkhdf"))
+
+
+def test_stations_carry_the_force_of_the_tool(pipe):
+    index = pipe.boundary_names.index("pipe")
+    frame, history = pipe.frame(-1), pipe.history
+    tool, stations = frame.boundaries[index], frame.stations
+    assert tool.is_tool
+    centre = history["pivots"][-1, index]
+    assert np.allclose(np.linalg.norm(tool.polyline() - centre, axis=1), 1.0)
+    mine = stations.boundary == index + 1
+    assert mine.sum() == history["n_acting"][-1, index]
+    normal = stations.position[mine] - centre
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
+    traction, length = stations.traction[mine], stations.length[mine]
+    forces = -length[:, None] * (traction[:, :1] * normal + traction[:, 1:] * tangent)
+    assert np.allclose(forces.sum(axis=0), history["boundary_reactions"][-1, index])
+    moment = np.cross(stations.position[mine] - centre, forces).sum()
+    assert moment == pytest.approx(history["moments"][-1, index])
+    slips = stations.slip[mine] != 0
+    assert slips.sum() == history["n_slipping"][-1, index]
+    ratio = np.abs(traction[slips, 1] / traction[slips, 0])
+    assert np.allclose(ratio, 0.3, rtol=1e-10)
+    # forces balance, and the work is that of the force on the way down
+    assert np.abs(history["imbalance"]).max() < 1e-6 * np.abs(forces).max()
+    assert history["works"][-1, index] > 0.0
+
+
+def test_table_of_tools_repeats_the_history(pipe):
+    lines = pipe.path.with_name("pipe_tools.csv").read_text().splitlines()
+    table = np.genfromtxt(lines, delimiter=",", names=None, skip_header=1)
+    names = lines[0].split(",")
+    index = pipe.boundary_names.index("pipe")
+    history = pipe.history
+    for name, column in (
+        ("pipe:force_y", history["boundary_reactions"][:, index, 1]),
+        ("pipe:moment", history["moments"][:, index]),
+        ("pipe:rotation", history["rotations"][:, index]),
+        ("pipe:contact_length", history["loaded_lengths"][:, index]),
+        ("pipe:n_slipping", history["n_slipping"][:, index]),
+    ):
+        assert np.allclose(table[:, names.index(name)], column, rtol=1e-14), name
+    assert np.degrees(history["rotations"][-1, index]) == pytest.approx(60.0)
+
+
+def test_tools_are_drawn_and_move(pipe, tmp_path, capsys):
+    assert main(["figures", str(pipe.path), "--output", str(tmp_path)]) == 0
+    assert (tmp_path / "pipe_tools.png").is_file()
+    assert (tmp_path / "pipe_tractions.png").is_file()
+    film = tmp_path / "pipe.gif"
+    assert main(["animate", str(pipe.path), "--output", str(film)]) == 0
+    assert film.read_bytes()[:3] == b"GIF"
+    assert str(film) in capsys.readouterr().out
+
+
 def test_faults_are_told_in_one_line(path, tmp_path, capsys):
     assert main(["summary", str(tmp_path / "none.vtkhdf")]) == 1
     assert main(["figures", str(path), "--steps", "9", "--output", str(tmp_path)]) == 1

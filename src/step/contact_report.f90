@@ -1,0 +1,122 @@
+!> Sums over the stations of walls and tools, once a step is accepted.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_step_contact_report
+   use coulter_base_kinds, only: wp
+   use coulter_boundary_contact, only: contact_type
+   use coulter_boundary_face, only: place_on, place_type
+   use coulter_boundary_tip, only: edge_place_type, place_on_edge
+   use coulter_model, only: model_type
+   use coulter_model_contact_report, only: contact_report_type, station_report_type
+   use coulter_model_observer, only: step_report_type
+   use coulter_step_system, only: system_type
+   implicit none(type, external)
+   private
+   public :: report_contacts
+
+contains
+
+   !> What every boundary feels, and all stations in contact.
+   pure subroutine report_contacts(report, model, system)
+      !> Report with the forces of the boundaries; gets `contacts` and `stations`.
+      type(step_report_type), intent(inout) :: report
+      !> Scene at the end of the step.
+      type(model_type), intent(in) :: model
+      !> System in equilibrium; remembers the last forces, so that work can be summed up.
+      type(system_type), intent(inout) :: system
+      integer :: b, k, n
+
+      allocate (report%contacts(size(model%boundaries)))
+      do b = 1, size(report%contacts)
+         report%contacts(b)%travel = model%boundaries(b)%travel
+         report%contacts(b)%centre = model%boundaries(b)%centre
+         report%contacts(b)%rotation = model%boundaries(b)%turned
+      end do
+      n = 0
+      if (allocated(system%contacts%item)) n = count(system%contacts%item(:system%contacts%n) &
+                                                     %is_acting)
+      allocate (report%stations(n))
+      n = 0
+      do k = 1, system%contacts%n
+         if (.not. system%contacts%item(k)%is_acting) cycle
+         n = n + 1
+         call add_station(report, report%stations(n), system, system%contacts%item(k))
+      end do
+      call sum_work(report, system)
+   end subroutine report_contacts
+
+   !> One station in contact.
+   pure subroutine add_station(report, station, system, contact)
+      type(step_report_type), intent(inout) :: report
+      type(station_report_type), intent(out) :: station
+      type(system_type), intent(in) :: system
+      type(contact_type), intent(in) :: contact
+      type(place_type) :: place
+      real(wp) :: force(2), arm(2)
+
+      call locate(contact, system%map%increment(:, [contact%corner, contact%other_corner]), &
+                  place, station%position)
+      station%boundary = contact%boundary
+      station%slip = contact%slip
+      station%weight = contact%weight
+      station%traction = contact%traction
+      associate (sum => report%contacts(contact%boundary))
+         force = -contact%weight*(contact%traction(1)*place%normal &
+                                  + contact%traction(2)*place%tangent)
+         arm = station%position - sum%centre
+         sum%moment = sum%moment + arm(1)*force(2) - arm(2)*force(1)
+         sum%pressing = sum%pressing - contact%weight*contact%traction(1)
+         sum%rubbing = sum%rubbing + contact%weight*abs(contact%traction(2))
+         sum%n_acting = sum%n_acting + 1
+         if (contact%slip /= 0) then
+            sum%n_slipping = sum%n_slipping + 1
+         else if (contact%rubs) then
+            sum%n_sticking = sum%n_sticking + 1
+         end if
+      end associate
+   end subroutine add_station
+
+   !> Place of a station at the end of the step, relative to its face and in the plane.
+   pure subroutine locate(contact, moved, place, position)
+      type(contact_type), intent(in) :: contact
+      real(wp), intent(in) :: moved(2, 2)
+      type(place_type), intent(out) :: place
+      real(wp), intent(out) :: position(2)
+      type(edge_place_type) :: on_edge
+      real(wp) :: ends(2, 2), share
+
+      ends = reshape([contact%offset, contact%other_offset], [2, 2]) + moved
+      position = contact%face%first + ends(:, 1)
+      if (contact%tip == 0) then
+         place = place_on(contact%face, contact%offset, moved(:, 1))
+      else
+         on_edge = place_on_edge(ends)
+         place = on_edge%place_type
+         share = min(max(on_edge%share, 0.0_wp), 1.0_wp)
+         position = position + share*(ends(:, 2) - ends(:, 1))
+      end if
+   end subroutine locate
+
+   !> Work by the trapezoidal rule.
+   pure subroutine sum_work(report, system)
+      type(step_report_type), intent(inout) :: report
+      type(system_type), intent(inout) :: system
+      integer :: b
+
+      if (.not. allocated(system%last_report)) then
+         allocate (system%last_report(size(report%contacts)))
+         allocate (system%last_reaction, mold=report%boundary_reactions)
+         system%last_reaction = 0.0_wp
+      end if
+      do b = 1, size(report%contacts)
+         associate (new => report%contacts(b), old => system%last_report(b))
+            new%work = old%work + 0.5_wp*( &
+               dot_product(report%boundary_reactions(:, b) + system%last_reaction(:, b), &
+                           new%travel - old%travel) &
+               + (new%moment + old%moment)*(new%rotation - old%rotation))
+         end associate
+      end do
+      system%last_report = report%contacts
+      system%last_reaction = report%boundary_reactions
+   end subroutine sum_work
+
+end module coulter_step_contact_report
