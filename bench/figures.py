@@ -46,7 +46,7 @@ LOOKS = {
     "kratos_100_16": ("Kratos, 4 x 4 points, penalty 100 E/h", "#8b1e5b", "x"),
     "kratos_64": ("Kratos, 8 x 8 points, penalty 1000 E/h", "#d16ba5", "+"),
     "kratos_10_64": ("Kratos, 8 x 8 points, penalty 10 E/h", "#d16ba5", "+"),
-    "ample_octave": ("AMPLE in Octave, GIMP, 2 x 2 points", "#555555", "*"),
+    "ample_octave": ("AMPLE in Octave, GIMP, 2 x 2 points", "#555555", "p"),
     "ample": ("AMPLE, GIMP: published error, no time", "#555555", ""),
 }
 
