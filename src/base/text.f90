@@ -1,11 +1,11 @@
-!> Small text helpers: numbers to text, lower case.
+!> Small text helpers: numbers to text, lower case, words.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_base_text
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: to_text, last_of_line, lower_case
+   public :: to_text, last_of_line, lower_case, split_words
 
    !> Shortest readable text of a number, without blanks around it.
    interface to_text
@@ -102,6 +102,26 @@ contains
          lowered(i:i) = achar(code)
       end do
    end function lower_case
+
+   !> Words of a text that blanks separate.
+   pure subroutine split_words(text, words)
+      !> Text of short words.
+      character(len=*), intent(in) :: text
+      !> Its words.
+      character(len=16), allocatable, intent(out) :: words(:)
+      character(len=:), allocatable :: rest
+      character(len=16) :: word
+      integer :: last
+
+      allocate (words(0))
+      rest = trim(adjustl(text))//" "
+      do while (rest /= "")
+         last = index(rest, " ")
+         word = rest(:last)
+         words = [words, word]
+         rest = trim(adjustl(rest(last:)))//" "
+      end do
+   end subroutine split_words
 
    !> "1.2500" -> "1.25", "3." -> "3".
    pure function without_trailing_zeros(text) result(short)

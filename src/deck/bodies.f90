@@ -1,69 +1,19 @@
-!> Reads what the scene is made of: laws, bodies and their regions.
+!> Reads bodies and their regions.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_deck_bodies
-   use coulter_base_error, only: error_type
    use coulter_base_kinds, only: wp
    use coulter_deck_document, only: blame, deck_type, find_groups
    use coulter_deck_initial_stress, only: read_body_stress, read_stress_profiles
    use coulter_deck_outline, only: new_polygon
    use coulter_deck_references, only: check_unique_names, get_reference
-   use coulter_deck_umat, only: read_umat
-   use coulter_deck_values, only: demand, get_choice, get_list, get_value, is_given
-   use coulter_law, only: hencky_type, law_item_type, new_hencky
+   use coulter_deck_values, only: get_list, get_value, is_given
    use coulter_model_control, only: domains_tiles
    use coulter_points_body, only: body_type, region_type
    implicit none(type, external)
    private
-   public :: read_laws, read_bodies
+   public :: read_bodies
 
 contains
-
-   !> All laws.
-   subroutine read_laws(deck, laws)
-      !> Scanned deck, which notes faults.
-      type(deck_type), intent(inout) :: deck
-      !> Laws in the order of the deck; unallocated where at fault.
-      type(law_item_type), allocatable, intent(out) :: laws(:)
-      integer, allocatable :: groups(:)
-      integer :: i, choice
-
-      call check_unique_names(deck, "law")
-      call find_groups(deck, "law", groups)
-      allocate (laws(size(groups)))
-      do i = 1, size(groups)
-         choice = 1
-         call get_choice(deck, groups(i), "model", choice)
-         select case (choice)
-         case (2)
-            call read_umat(deck, groups(i), laws(i))
-         case default
-            call read_hencky(deck, groups(i), laws(i))
-         end select
-      end do
-   end subroutine read_laws
-
-   !> A law of model 'hencky'.
-   subroutine read_hencky(deck, group, item)
-      type(deck_type), intent(inout) :: deck
-      integer, intent(in) :: group
-      type(law_item_type), intent(inout) :: item
-      type(hencky_type) :: law
-      type(error_type), allocatable :: error
-      character(len=:), allocatable :: name
-      real(wp) :: youngs_modulus, poisson_ratio
-
-      name = ""
-      youngs_modulus = 1.0_wp
-      poisson_ratio = 0.0_wp
-      call demand(deck, group, "youngs_modulus")
-      call demand(deck, group, "poisson_ratio")
-      call get_value(deck, group, "name", name)
-      call get_value(deck, group, "youngs_modulus", youngs_modulus)
-      call get_value(deck, group, "poisson_ratio", poisson_ratio)
-      call new_hencky(law, name, youngs_modulus, poisson_ratio, error)
-      if (allocated(error)) call blame(deck, group, "", error%message)
-      allocate (item%law, source=law)
-   end subroutine read_hencky
 
    !> All bodies with their regions.
    subroutine read_bodies(deck, domains, bodies)

@@ -7,10 +7,11 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_deck
    use coulter_base_error, only: error_type, fatal_error
-   use coulter_deck_bodies, only: read_bodies, read_laws
+   use coulter_deck_bodies, only: read_bodies
    use coulter_deck_boundaries, only: read_boundaries, read_fixities
    use coulter_deck_document, only: deck_type, describe_faults
    use coulter_deck_file, only: read_text
+   use coulter_deck_laws, only: read_laws
    use coulter_deck_loads, only: read_body_force, read_edge_loads, read_tables
    use coulter_deck_names, only: check_names
    use coulter_deck_reference, only: write_deck_reference

@@ -3,6 +3,7 @@
 module coulter_deck_reference
    use coulter_deck_schema, only: allowed_text, group_rules, required, variable_rule_type, &
       variable_rules
+   use coulter_law, only: law_models
    implicit none(type, external)
    private
    public :: write_deck_reference
@@ -65,8 +66,23 @@ contains
               write (unit, "(a)") table_row(variable_rules(i))
             end if
          end do
+         if (group_rules(k)%name == "law") call write_law_models(unit)
       end do
    end subroutine write_deck_reference
+
+   !> What parameters the kinds of law take.
+   subroutine write_law_models(unit)
+      integer, intent(in) :: unit
+      integer :: i
+
+      write (unit, "(a)") "", "| model | is | needs | takes |", "|---|---|---|---|"
+      do i = 1, size(law_models)
+         write (unit, "(a)") "| `"//trim(law_models(i)%word)//"` | "//trim(law_models(i)%meaning) &
+            //" | "//trim(law_models(i)%needs)//" | "//trim(law_models(i)%takes)//" |"
+      end do
+      write (unit, "(a)") "| `umat` | an Abaqus UMAT | library | constants n_state initial_state" &
+         //" material, youngs_modulus with poisson_ratio |"
+   end subroutine write_law_models
 
    !> "0 or 1" -> "at most once".
    pure function times(number) result(text)

@@ -4,12 +4,12 @@
 !> one entry here and one line where its group is read.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_deck_schema
-   use coulter_base_kinds, only: wp
-   use coulter_base_text, only: lower_case, to_text
+   use coulter_base_text, only: lower_case, split_words, to_text
+   use coulter_law, only: law_parameters
    implicit none(type, external)
    private
    public :: group_rule_type, variable_rule_type, group_rules, variable_rules, required
-   public :: find_variable, choice_number, is_in_range, allowed_text, count_text, max_text
+   public :: find_variable, choice_number, allowed_text, count_text, max_text, umat_parameters
 
    !> What a group is for.
    type :: group_rule_type
@@ -46,6 +46,13 @@ module coulter_deck_schema
 
    !> Default of a variable that has none.
    character(len=*), parameter :: required = "required"
+   !> Kinds of law: those of `law_models`, and user materials.
+   character(len=*), parameter :: law_words = &
+      "hencky houlsby von_mises tresca drucker_prager mohr_coulomb cam_clay umat"
+   !> Parameters of user materials alone.
+   character(len=*), parameter :: umat_parameters(*) = [character(len=13) :: &
+      "library", "constants", "n_state", "initial_state", "material"]
+   integer, private :: i
    !> Longest text that a variable may hold.
    integer, parameter :: max_text = 120
 
@@ -93,15 +100,15 @@ module coulter_deck_schema
       variable_rule_type("grid", "cells", "integer", 2, 2, "", required, ">= 1 <= 1000000", &
          "number of cells along x and y")]
 
-   type(variable_rule_type), parameter :: body_rules(*) = [ &
+   type(variable_rule_type), parameter :: law_rules(*) = [ &
       variable_rule_type("law", "name", "text", 1, 1, "", required, "", &
          "name by which bodies refer to the law"), &
-      variable_rule_type("law", "model", "choice", 1, 1, "", "'hencky'", "hencky umat", &
-         "`hencky`: elastic, linear in the logarithmic strain; `umat`: from a library"), &
-      variable_rule_type("law", "youngs_modulus", "real", 1, 1, "stress", "(required)", "> 0", &
-         "Young's modulus; umat: of penalties and hourglass control, if not that of the library"), &
-      variable_rule_type("law", "poisson_ratio", "real", 1, 1, "", "(required)", "> -1 < 0.5", &
-         "Poisson's ratio; umat: beside youngs_modulus"), &
+      variable_rule_type("law", "model", "choice", 1, 1, "", "'hencky'", law_words, &
+         "kind of law; the table below says which parameters it takes"), &
+      (variable_rule_type("law", law_parameters(i)%name, "real", law_parameters(i)%least, &
+                          law_parameters(i)%most, law_parameters(i)%unit, &
+                          law_parameters(i)%default, law_parameters(i)%range, &
+                          law_parameters(i)%meaning), i=1, size(law_parameters)), &
       variable_rule_type("law", "library", "text", 1, 1, "", "(umat only)", "", &
          "shared library of an Abaqus UMAT; its path starts at the folder of the deck"), &
       variable_rule_type("law", "constants", "real", 1, 1000, "", "(none)", "", &
@@ -111,7 +118,9 @@ module coulter_deck_schema
       variable_rule_type("law", "initial_state", "real", 1, 1000, "", "(zeros)", "", &
          "umat: the first state variables at the start; the others are zero"), &
       variable_rule_type("law", "material", "text", 1, 1, "", "(name)", "", &
-         "umat: name that the library is told, CMNAME"), &
+         "umat: name that the library is told, CMNAME")]
+
+   type(variable_rule_type), parameter :: body_rules(*) = [ &
       variable_rule_type("body", "name", "text", 1, 1, "", required, "", &
          "name by which regions refer to the body"), &
       variable_rule_type("body", "law", "text", 1, 1, "", required, "", "name of its law"), &
@@ -375,7 +384,8 @@ module coulter_deck_schema
 
    !> All variables, group by group in the order of the groups.
    type(variable_rule_type), parameter :: variable_rules(*) = &
-      [scene_rules, body_rules, boundary_rules, tool_rules, step_rules, run_rules, sample_rules]
+      [scene_rules, law_rules, body_rules, boundary_rules, tool_rules, step_rules, run_rules, &
+       sample_rules]
 
 contains
 
@@ -394,26 +404,6 @@ contains
       number = 0
    end function find_variable
 
-   !> Words of a text that blanks separate.
-   pure subroutine split_words(text, words)
-      !> Text of short words.
-      character(len=*), intent(in) :: text
-      !> Its words.
-      character(len=12), allocatable, intent(out) :: words(:)
-      character(len=:), allocatable :: rest
-      character(len=12) :: word
-      integer :: last
-
-      allocate (words(0))
-      rest = trim(adjustl(text))//" "
-      do while (rest /= "")
-         last = index(rest, " ")
-         word = rest(:last)
-         words = [words, word]
-         rest = trim(adjustl(rest(last:)))//" "
-      end do
-   end subroutine split_words
-
    !> Number of a word among the choices of a variable, in upper or lower case; 0 if it is none.
    pure function choice_number(rule, word) result(number)
       !> Rule of a variable of type "choice".
@@ -421,7 +411,7 @@ contains
       !> Word to find.
       character(len=*), intent(in) :: word
       integer :: number
-      character(len=12), allocatable :: choices(:)
+      character(len=16), allocatable :: choices(:)
 
       call split_words(rule%range, choices)
       do number = 1, size(choices)
@@ -430,40 +420,12 @@ contains
       number = 0
    end function choice_number
 
-   !> Does a number meet the conditions of a variable?
-   pure function is_in_range(rule, number) result(is_inside)
-      !> Rule of a variable of type "real" or "integer".
-      type(variable_rule_type), intent(in) :: rule
-      !> Number to judge.
-      real(wp), intent(in) :: number
-      logical :: is_inside
-      character(len=12), allocatable :: words(:)
-      real(wp) :: bound
-      integer :: i
-
-      call split_words(rule%range, words)
-      is_inside = .true.
-      do i = 1, size(words), 2
-         read (words(i + 1), *) bound
-         select case (words(i))
-         case (">")
-            is_inside = is_inside .and. number > bound
-         case (">=")
-            is_inside = is_inside .and. number >= bound
-         case ("<")
-            is_inside = is_inside .and. number < bound
-         case default
-            is_inside = is_inside .and. number <= bound
-         end select
-      end do
-   end function is_in_range
-
    !> What a variable may hold, in words: "a real number > 0", "'x', 'y' or 'xy'".
    pure function allowed_text(rule) result(text)
       !> Rule of the variable.
       type(variable_rule_type), intent(in) :: rule
       character(len=:), allocatable :: text
-      character(len=12), allocatable :: words(:)
+      character(len=16), allocatable :: words(:)
       integer :: i
 
       call split_words(rule%range, words)

@@ -3,11 +3,12 @@
 module coulter_deck_variable
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use coulter_base_kinds, only: wp
+   use coulter_base_range, only: is_in_range
    use coulter_base_text, only: lower_case, to_text
    use coulter_deck_document, only: assignment_type, blame, deck_type, find_assignment
    use coulter_deck_namelist, only: read_value, value_type
    use coulter_deck_schema, only: allowed_text, choice_number, count_text, find_variable, &
-      is_in_range, max_text, variable_rule_type, variable_rules
+      max_text, variable_rule_type, variable_rules
    implicit none(type, external)
    private
    public :: read_variable, rule_of
@@ -115,9 +116,9 @@ contains
       select case (rule%type)
       case ("real")
          is_right = all(ieee_is_finite(value%reals)) &
-            .and. all([(is_in_range(rule, value%reals(i)), i=1, size(value%reals))])
+            .and. all([(is_in_range(rule%range, value%reals(i)), i=1, size(value%reals))])
       case ("integer")
-         is_right = all([(is_in_range(rule, real(value%integers(i), wp)), i=1, &
+         is_right = all([(is_in_range(rule%range, real(value%integers(i), wp)), i=1, &
                           size(value%integers))])
       case ("choice")
          is_right = choice_number(rule, value%text) > 0

@@ -6,9 +6,10 @@ module coulter_law_hencky
    use coulter_base_error, only: error_type, fatal_error
    use coulter_base_kinds, only: wp
    use coulter_law_abstract, only: law_response_type, law_type, law_visit_type, n_plane
+   use coulter_law_parameters, only: check_values, law_model_type, law_values_type
    implicit none(type, external)
    private
-   public :: hencky_type, new_hencky
+   public :: hencky_type, new_hencky, new_hencky_law, hencky_model
 
    !> tau = lambda tr(eps) 1 + 2 G eps.
    type, extends(law_type) :: hencky_type
@@ -22,7 +23,28 @@ module coulter_law_hencky
       procedure :: elastic_strain => hencky_strain
    end type hencky_type
 
+   !> How decks name it.
+   type(law_model_type), parameter :: hencky_model = law_model_type("hencky", &
+      "elastic, linear in the logarithmic strain", "youngs_modulus poisson_ratio", "")
+
 contains
+
+   !> Make the law from its parameters.
+   pure subroutine new_hencky_law(law, name, values, error)
+      !> Law to make.
+      type(hencky_type), intent(out) :: law
+      !> Name by which bodies refer to it.
+      character(len=*), intent(in) :: name
+      !> Parameters.
+      type(law_values_type), intent(in) :: values
+      !> Set when they are missing or out of range.
+      type(error_type), allocatable, intent(out) :: error
+
+      call check_values(hencky_model, name, values, error)
+      if (allocated(error)) return
+      call new_hencky(law, name, values%number("youngs_modulus", 0.0_wp), &
+                      values%number("poisson_ratio", 0.0_wp), error)
+   end subroutine new_hencky_law
 
    !> Make the law from engineering constants.
    pure subroutine new_hencky(law, name, youngs_modulus, poisson_ratio, error)

@@ -4,11 +4,12 @@ module coulter_model_prepare
    use coulter_base_faults, only: fault_list_type
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: area_and_centroid, overlap_area, polyline_distance
-   use coulter_base_tensor, only: finger_of_log_strain_plane
+   use coulter_base_tensor, only: finger_of_log_strain_plane, log_strain_plane
    use coulter_base_text, only: to_text
    use coulter_boundary, only: boundary_type, formulation_implicit, kind_fixed
    use coulter_boundary_edge_load, only: find_loaded_edges, loaded_edge_type
-   use coulter_model, only: body_force_factor, model_type
+   use coulter_law, only: law_response_type, law_visit_type
+   use coulter_model, only: body_force_factor, model_type, point_moduli
    use coulter_model_control, only: domains_tiles
    use coulter_model_initial_stress, only: initial_stress, is_geostatic
    use coulter_model_phases, only: activate
@@ -20,6 +21,9 @@ module coulter_model_prepare
 
    !> Regions may overlap by this share of the smaller one: round-off of the deck's digits.
    real(wp), parameter :: accepted_overlap = 1.0e-6_wp
+   !> Relative error of the stress with which a law may answer the initial stress, and plastic strain
+   !> that it may add.
+   real(wp), parameter :: accepted_start_error = 1.0e-6_wp
    !> Ratio of the confined to the shear modulus above which a material is nearly incompressible.
    real(wp), parameter :: nearly_incompressible = 10.0_wp
    !> Largest band of the implicit boundary method with its K2, over the spacing and times the ratio
@@ -55,6 +59,7 @@ contains
       if (faults%n_faults > known_faults) return
       call activate(model, 1)
       call seed_model(model)
+      call check_initial_stress(model, faults)
       if (model%points%n_points == 0) call faults%add("region", 0, "", "no region holds material")
       if (allocated(model%tiling)) then
          call check_edge_loads(model, faults)
@@ -315,6 +320,38 @@ contains
       end do
    end function all_are_elastic
 
+   !> The law of every point must return the stress with which it starts.
+   subroutine check_initial_stress(model, faults)
+      type(model_type), intent(inout) :: model
+      type(fault_list_type), intent(inout) :: faults
+      type(law_response_type) :: response
+      real(wp) :: strain(4), modulus(2)
+      real(wp), allocatable :: state(:)
+      integer :: p, last
+
+      last = 0
+      do p = 1, model%points%n_points
+         associate (body => model%points%body(p), start => model%points%converged, &
+                    law => model%laws(model%bodies(model%points%body(p))%law)%law)
+            if (law%is_incremental .or. body == last) cycle
+            state = start%law_state(:law%n_state, p)
+            call log_strain_plane(start%elastic_finger(:, p), strain)
+            call law%update(law_visit_type(point=p), strain, start%law_state(:law%n_state, p), &
+                            response, state)
+            call point_moduli(model, p, modulus(1), modulus(2))
+            if (.not. response%has_failed) then
+               if (norm2(response%strain - strain) <= accepted_start_error .and. &
+                   norm2(response%stress - start%kirchhoff_stress(:, p)) <= accepted_start_error &
+                   *(norm2(start%kirchhoff_stress(:, p)) + accepted_start_error*modulus(2))) cycle
+            end if
+            last = body
+            call faults%add("body", body, "initial_stress", "law "//law%name//" cannot carry ("// &
+                            to_text(start%kirchhoff_stress(:, p))//") at (" &
+                            //to_text(model%points%position(:, p))//")")
+         end associate
+      end do
+   end subroutine check_initial_stress
+
    !> Initial state of a point that carries a stress.
    subroutine start_point(model, p, stress)
       type(model_type), intent(inout) :: model
@@ -325,7 +362,6 @@ contains
                  start => model%points%converged)
          associate (state => start%law_state(:law%n_state, p))
             call law%initial_state(stress, model%points%position(:, p), state)
-            if (.not. any(abs(stress) > 0.0_wp)) return
             call finger_of_log_strain_plane(law%elastic_strain(stress, state), &
                                             start%elastic_finger(:, p))
             ! Cauchy stress as well, since J = 1

@@ -5,6 +5,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_results_frames
    use coulter_base_kinds, only: long, wp
+   use coulter_law, only: law_variable_type
    use coulter_model, only: model_type
    use coulter_model_output, only: output_type
    use coulter_points_fields, only: cauchy_stress, elastic_strain, full_gradient, n_symmetric, &
@@ -159,6 +160,9 @@ contains
       type(frames_type), intent(in) :: frames
       type(hdf5_file_type), intent(inout) :: file
       type(model_type), intent(in) :: model
+      type(law_variable_type), allocatable :: variables(:)
+      character(len=:), allocatable :: unit
+      integer :: i
 
       call add_field("VTKHDF/Points", [3], "current position", model%units%length)
       call file%add_group("VTKHDF/PointData")
@@ -181,6 +185,13 @@ contains
                         "corners of the deformed point domain, x1 y1 .. x4 y4, counter-clockwise", &
                         model%units%length)
       end if
+      call list_variables(model, variables)
+      do i = 1, size(variables)
+         unit = trim(variables(i)%unit)
+         if (unit == "stress") unit = model%units%stress
+         call add_field(point_data//trim(variables(i)%name), [integer ::], &
+                        trim(variables(i)%meaning), unit)
+      end do
       call file%add_rows(point_data//"body", kind_integer, [integer ::], frames%rows_per_chunk, &
                          frames%compression)
       call file%describe(point_data//"body", "number of the body, from 1")
@@ -204,7 +215,8 @@ contains
       type(frames_type), intent(in) :: frames
       type(hdf5_file_type), intent(inout) :: file
       type(model_type), intent(in) :: model
-      integer :: n
+      type(law_variable_type), allocatable :: variables(:)
+      integer :: i, n
 
       n = model%points%n_points
       associate (row => frames%next_row, points => model%points, state => model%points%converged)
@@ -224,9 +236,48 @@ contains
          if (allocated(model%tiling)) then
             call file%put_reals(point_data//"tile", row, 8*n, tile_outlines(model%tiling))
          end if
+         call list_variables(model, variables)
+         do i = 1, size(variables)
+            call file%put_reals(point_data//trim(variables(i)%name), row, n, &
+                                values_of(model, variables(i)%name))
+         end do
          call file%put_integers(point_data//"body", row, n, int(points%body, long))
       end associate
    end subroutine put_points
+
+   !> State variables of all laws, each name once.
+   pure subroutine list_variables(model, variables)
+      type(model_type), intent(in) :: model
+      type(law_variable_type), allocatable, intent(out) :: variables(:)
+      integer :: i, k
+
+      allocate (variables(0))
+      do i = 1, size(model%laws)
+         if (.not. allocated(model%laws(i)%law%variables)) cycle
+         associate (own => model%laws(i)%law%variables)
+            do k = 1, size(own)
+               if (.not. any(variables%name == own(k)%name)) variables = [variables, own(k)]
+            end do
+         end associate
+      end do
+   end subroutine list_variables
+
+   !> A state variable of all points; 0 where the law has none of this name.
+   pure function values_of(model, name) result(values)
+      type(model_type), intent(in) :: model
+      character(len=*), intent(in) :: name
+      real(wp) :: values(model%points%n_points)
+      integer :: k, p
+
+      values = 0.0_wp
+      do p = 1, model%points%n_points
+         associate (law => model%laws(model%bodies(model%points%body(p))%law)%law)
+            if (.not. allocated(law%variables)) cycle
+            k = findloc(law%variables%name, name, dim=1)
+            if (k > 0) values(p) = model%points%converged%law_state(k, p)
+         end associate
+      end do
+   end function values_of
 
    !> Lengthen the connectivity that all frames share when a frame has more points than any before.
    subroutine put_connectivity(frames, file, n_points)
