@@ -21,8 +21,8 @@ module coulter_model_prepare
 
    !> Regions may overlap by this share of the smaller one: round-off of the deck's digits.
    real(wp), parameter :: accepted_overlap = 1.0e-6_wp
-   !> Relative error of the stress with which a law may answer the initial stress, and plastic strain
-   !> that it may add.
+   !> Relative error of the stress with which a law may answer the initial stress, and plastic
+   !> strain that it may add.
    real(wp), parameter :: accepted_start_error = 1.0e-6_wp
    !> Ratio of the confined to the shear modulus above which a material is nearly incompressible.
    real(wp), parameter :: nearly_incompressible = 10.0_wp
