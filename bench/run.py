@@ -217,12 +217,13 @@ def published_runs(name: str) -> Iterator[Run]:
 
 
 def keep(runs: list[Run], path: Path) -> None:
-    """Write the table; rows of problems that were not run again stay."""
-    fresh = {run.problem for run in runs}
+    """Write the table; rows of problems and schemes that were not run again stay."""
+    fresh = {(run.problem, run.scheme) for run in runs}
     rows = [asdict(run) for run in runs]
     if path.is_file():
         with path.open(newline="") as file:
-            rows = [row for row in csv.DictReader(file) if row["problem"] not in fresh] + rows
+            kept = [r for r in csv.DictReader(file) if (r["problem"], r["scheme"]) not in fresh]
+        rows = kept + rows
     order = list(PROBLEMS)
     rows.sort(key=lambda row: order.index(row["problem"]))
     with path.open("w", newline="") as file:
