@@ -41,6 +41,30 @@ def deck(tmp_path_factory) -> Path:
     return folder / "deck.nml"
 
 
+LAWS = """
+&law name = 'mises_built_in', model = 'von_mises', youngs_modulus = 3.0e4, poisson_ratio = 0.25
+   yield_stress = 20.0 /
+&law name = 'mises_umat', model = 'umat', library = 'mises.so', n_state = 5
+   constants = 3.0e4, 0.25, 20.0, 0.0 /
+&law name = 'mohr_built_in', model = 'mohr_coulomb', youngs_modulus = 3.0e4
+   poisson_ratio = 0.25, cohesion = 5.0, friction_angle = 30.0, dilation_angle = 10.0 /
+&law name = 'mohr_umat', model = 'umat', library = 'mohr.so', n_state = 1
+   constants = 3.0e4, 0.25, 5.0, 30.0, 10.0 /
+"""
+MODELS = ("mises", "mohr")
+KINDS = ("built_in", "umat")
+
+
+@pytest.fixture(scope="module")
+def twins(tmp_path_factory) -> Path:
+    """A folder with user materials of laws that are built in as well."""
+    folder = tmp_path_factory.mktemp("twins")
+    for source, library in (("von_mises", "mises"), ("mohr_coulomb", "mohr")):
+        subprocess.run([SOURCE / "scripts/build_umat.sh", SOURCE / f"tests/umat/{source}.f90",
+                        folder / f"{library}.so", f"-J{folder}"], check=True)
+    return folder
+
+
 def run(*arguments, cwd) -> subprocess.CompletedProcess:
     return subprocess.run([PROGRAM, *arguments], cwd=cwd, timeout=60, capture_output=True,
                           text=True, check=False)
@@ -99,3 +123,64 @@ def test_no_figure_of_other_tables(tmp_path, capsys):
     (tmp_path / "x.csv").write_text("a,b\n1,2\n", encoding="utf-8")
     assert main(["point", str(tmp_path / "x.csv")]) == 1
     assert "is no table of coulter point" in capsys.readouterr().err
+
+
+def test_samples_agree_with_built_in_laws(twins):
+    """Cauchy stress added up against Kirchhoff stress of the elastic strain: the volume strain of
+    1 % is how far they may differ; both are on their yield surface."""
+    np = pytest.importorskip("numpy")
+    pytest.importorskip("matplotlib")
+    from coulter_post.samples import Sample
+
+    groups = [LAWS]
+    for model in MODELS:
+        for kind in KINDS:
+            name = f"{model}_{kind}"
+            groups.append(
+                f"&sample name = '{name}', law = '{name}', initial_stress = 3*-10.0, 0.0 /\n"
+                f"&stage sample = '{name}', test = 'triaxial', axial_strain = -0.01,"
+                " increments = 20 /\n"
+                f"&stage sample = '{name}', test = 'biaxial', axial_strain = 0.01,"
+                " increments = 20 /\n"
+                f"&stage sample = '{name}', test = 'shear', shear_strain = 0.02,"
+                " increments = 20 /\n")
+    (twins / "tests.nml").write_text("".join(groups), encoding="utf-8")
+    result = run("point", twins / "tests.nml", cwd=twins)
+    assert result.returncode == 0, result.stderr
+    for model in MODELS:
+        built_in, umat = (Sample(twins / f"tests_{model}_{kind}.csv") for kind in KINDS)
+        for column in ("stress_xx", "stress_yy", "stress_zz", "stress_xy", "q"):
+            scale = np.abs(built_in["q"]).max()
+            assert np.abs(built_in[column] - umat[column]).max() < 0.01 * scale, (model, column)
+        assert np.abs(built_in["iterations"] - umat["iterations"]).max() <= 2
+        assert umat["iterations"].sum() <= 1.1 * built_in["iterations"].sum() + 2
+
+
+def test_runs_agree_with_built_in_laws(twins):
+    """A footing pressed into soil: forces and iterations."""
+    h5py = pytest.importorskip("h5py")
+    np = pytest.importorskip("numpy")
+    scene = """
+&grid origin = 0.0, 0.0, spacing = 0.25, cells = 18, 10 /
+&region body = 'soil', rectangle = 0.0, 0.0, 4.0, 2.0 /
+&fixity name = 'base', side = 'bottom', held = 'xy' /
+&fixity name = 'left', side = 'left', held = 'x' /
+&fixity name = 'right', lower = 4.0, 0.0, upper = 4.0, 2.5, held = 'x' /
+&boundary name = 'footing', kind = 'roller', vertices = 1.0, 2.0, -1.0, 2.0
+   displacement = 0.0, -0.005 /
+&steps count = 8 /
+"""
+    force, iterations = {}, {}
+    for model in MODELS:
+        for kind in KINDS:
+            name = f"{model}_{kind}"
+            body = f"&body name = 'soil', law = '{name}', density = 0.0 /"
+            (twins / f"{name}.nml").write_text(LAWS + body + scene, encoding="utf-8")
+            result = run("--quiet", twins / f"{name}.nml", cwd=twins)
+            assert result.returncode == 0, result.stderr
+            with h5py.File(twins / f"{name}.vtkhdf") as file:
+                force[kind] = file["history/boundary_reactions"][:, 0, 1]
+                iterations[kind] = int(np.sum(file["history/n_iterations"]))
+        difference = np.abs(force["built_in"] - force["umat"]).max()
+        assert difference < 0.02 * np.abs(force["built_in"]).max(), (model, force)
+        assert iterations["umat"] <= 1.2 * iterations["built_in"], iterations
