@@ -7,7 +7,7 @@ module coulter_step_accept
    use coulter_boundary_motion, only: motion_type, moved_by
    use coulter_grid_shape, only: shape_gradients_2d, shape_values_2d
    use coulter_law, only: law_response_type, law_visit_type, n_plane
-   use coulter_model, only: boundary_motion, model_type
+   use coulter_model, only: boundary_motion, model_type, point_moduli
    use coulter_points, only: point_state_type
    use coulter_points_tiling, only: tile_centroid
    use coulter_step_hourglass, only: remember_hourglass
@@ -22,6 +22,8 @@ module coulter_step_accept
 
    !> Plastic strains of a step above this are flow.
    real(wp), parameter :: least_flow = 1.0e-12_wp
+   !> Shear stiffness over the elastic one below which an incremental law counts as flowing.
+   real(wp), parameter :: soft_share = 0.5_wp
 
 contains
 
@@ -184,6 +186,7 @@ contains
          if (.not. item%law%is_elastic) then
             call finger_of_log_strain_plane(response%strain, finger)
             model%points%has_flowed(p) = any(abs(response%strain - strain) > least_flow)
+            if (item%law%is_incremental) model%points%has_flowed(p) = is_soft(model, p, strain)
          end if
          new%elastic_finger(:, p) = finger
          new%deformation_gradient(:4, p) = &
@@ -191,6 +194,26 @@ contains
          new%deformation_gradient(5, p) = old%deformation_gradient(5, p)
       end associate
    end subroutine update_point
+
+   !> Is a point of a law that does not tell plastic strains flowing? Its shear stress, new less
+   !> old, is then well below what its elastic moduli say; where a point turns in the step, the
+   !> answer is no rather than yes.
+   pure function is_soft(model, p, strain) result(answer)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: p
+      !> Logarithmic strain of the step.
+      real(wp), intent(in) :: strain(n_plane)
+      logical :: answer
+      real(wp) :: lame_lambda, shear_modulus, change(n_plane), expected(n_plane)
+
+      call point_moduli(model, p, lame_lambda, shear_modulus)
+      change = model%points%trial%kirchhoff_stress(:, p) &
+         - model%points%converged%kirchhoff_stress(:, p)
+      change(:3) = change(:3) - sum(change(:3))/3.0_wp
+      expected = shear_modulus*strain
+      expected(:3) = 2.0_wp*(expected(:3) - sum(expected(:3))/3.0_wp)
+      answer = any(abs(strain) > least_flow) .and. norm2(change) < soft_share*norm2(expected)
+   end function is_soft
 
    !> Let a point see the mean volume change of its patch, where patches share it.
    pure subroutine share_volume_change(patches, p, finger, deformation)
