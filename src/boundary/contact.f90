@@ -7,7 +7,7 @@
 module coulter_boundary_contact
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: boundary_type, kind_fixed
-   use coulter_boundary_face, only: face_type, new_face, place_on, place_type
+   use coulter_boundary_face, only: face_type, new_face, place_on, place_type, reaches
    use coulter_boundary_motion, only: largest_shift, motion_type, moved_by
    use coulter_boundary_segment, only: lies_on, new_segment, segment_type
    use coulter_boundary_tip, only: covered_share, find_tips, tip_type
@@ -15,7 +15,7 @@ module coulter_boundary_contact
    implicit none(type, external)
    private
    public :: contact_type, contacts_type, held_edge_type, find_held_edges, build_contacts
-   public :: carry_held_edges, recall_contacts, carry_contacts
+   public :: carry_held_edges, recall_contacts, carry_contacts, end_slack
 
    !> One end of an outer edge against one face.
    type :: contact_type
@@ -47,6 +47,9 @@ module coulter_boundary_contact
       !> Traction (normal, tangential) that earlier rounds and steps left, for augmented
       !> formulations, and that of the current iteration, stress units.
       real(wp) :: memory(2) = 0.0_wp, traction(2) = 0.0_wp
+      !> Is it settled for the step that the face reaches the corner? So it is beside sharp corners
+      !> of tools, around which corners of bodies would come and go.
+      logical :: is_settled = .false.
       !> Is the corner held in both directions and also against being pulled off, and does it rub?
       logical :: is_bilateral = .false., is_fixed = .false., rubs = .false.
       !> Does the face act on it, and did it in the last step?
@@ -78,6 +81,9 @@ module coulter_boundary_contact
 
    !> Edges this close to a bilateral boundary at the start belong to it, over the spacing.
    real(wp), parameter :: touching = 1.0e-6_wp
+   !> A face reaches this far beyond its ends, over the spacing: a corner that sits at an end must
+   !> not come and go with round-off.
+   real(wp), parameter :: end_slack = 0.05_wp
    !> Faces this far away may be met within a step, over the spacing.
    real(wp), parameter :: reach = 4.0_wp
    !> Edges deeper behind a face than this, over the spacing, and the way that the face has come in
@@ -188,7 +194,7 @@ contains
             do s = 1, size(boundaries(b)%vertices, 2) - 1
                if (held(e)%boundary == b .and. held(e)%segment /= s) cycle
                call meet(contacts, boundaries(b), b, s, motion(b), tiling, e, held(e), &
-                         largest_reach, deepest*spacing + shift(b), tips(b)%item)
+                         largest_reach, deepest*spacing + shift(b), spacing, tips(b)%item)
             end do
             call press_tips(contacts, boundaries(b), b, motion(b), tiling, e, tips(b)%item)
          end do
@@ -274,7 +280,8 @@ contains
    end function lag_after
 
    !> Stations at both ends of an edge against one face.
-   pure subroutine meet(contacts, boundary, b, s, motion, tiling, e, held, reach, deepest, tips)
+   pure subroutine meet(contacts, boundary, b, s, motion, tiling, e, held, reach, deepest, spacing, &
+                        tips)
       type(contacts_type), intent(inout) :: contacts
       type(boundary_type), intent(in) :: boundary
       integer, intent(in) :: b, s, e
@@ -282,6 +289,7 @@ contains
       type(tiling_type), intent(in) :: tiling
       type(held_edge_type), intent(in) :: held
       real(wp), intent(in) :: reach, deepest
+      real(wp), intent(in) :: spacing
       type(tip_type), intent(in) :: tips(:)
       type(contact_type) :: contact
       real(wp) :: weight(2)
@@ -301,15 +309,39 @@ contains
       contact%is_bilateral = boundary%is_bilateral
       contact%is_fixed = boundary%kind == kind_fixed
       contact%rubs = boundary%has_friction() .and. .not. contact%is_fixed
+      if (.not. boundary%is_bilateral) contact%is_settled = any(tips%faces(1) == s &
+                                                                .or. tips%faces(2) == s)
       weight = weight*covered_share(tips, boundary, s, e, tiling%position(:, &
                                                                tiling%outer_edge(:2, e)))
       do k = 1, 2
          contact%weight = weight(k)
          if (.not. weight(k) > 0.0_wp) cycle
          call settle_end(contact, k, tiling, motion, held)
+         if (contact%is_settled) then
+            if (.not. starts_on(boundary, s, tiling%position(:, [contact%corner, &
+                                                                 contact%other_corner]), &
+                                end_slack*spacing)) cycle
+         end if
          call append(contacts, contact)
       end do
    end subroutine meet
+
+   !> Does a face reach the first end of an edge, given by both ends, before the step?
+   pure function starts_on(boundary, s, ends, slack) result(answer)
+      type(boundary_type), intent(in) :: boundary
+      integer, intent(in) :: s
+      real(wp), intent(in) :: ends(2, 2), slack
+      logical :: answer
+      type(face_type) :: face
+      type(place_type) :: place(2)
+      integer :: k
+
+      call new_face(face, boundary%vertices(:, s), boundary%vertices(:, s + 1), boundary%bulge(s))
+      do k = 1, 2
+         place(k) = place_on(face, ends(:, k) - face%first, [0.0_wp, 0.0_wp])
+      end do
+      answer = reaches(face, place(1)%distance, place(2)%distance, slack)
+   end function starts_on
 
    !> Stations where sharp corners of a tool press on an edge: for half of what their faces cover of
    !> it.

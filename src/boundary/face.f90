@@ -5,7 +5,7 @@ module coulter_boundary_face
    use coulter_boundary_segment, only: new_segment, segment_type
    implicit none(type, external)
    private
-   public :: face_type, place_type, new_face, place_on, flatten
+   public :: face_type, place_type, new_face, place_on, reaches, flatten
 
    !> A segment, or an arc over it, with the material on its left.
    type, extends(segment_type) :: face_type
@@ -85,6 +85,25 @@ contains
          + face%radius*atan2(dot_product(place%normal, face%tangent), &
                              dot_product(place%normal, face%normal))
    end function place_on
+
+   !> Does a face act on the end of an edge? It does where the foot lies on it or hardly beyond; where
+   !> it ends, on edges whose middle it reaches: those beyond belong to the next face, and the corner
+   !> between them must not be pushed twice.
+   pure function reaches(face, distance, other, slack) result(answer)
+      !> The face.
+      type(face_type), intent(in) :: face
+      !> Places along it of the end and of the other end, length units.
+      real(wp), intent(in) :: distance, other
+      !> How far it acts beyond its ends, length units.
+      real(wp), intent(in) :: slack
+      logical :: answer
+      real(wp) :: middle
+
+      middle = 0.5_wp*(distance + other)
+      answer = distance >= -slack .and. distance <= face%length + slack
+      if (distance < slack) answer = answer .and. middle > 0.0_wp
+      if (distance > face%length - slack) answer = answer .and. middle < face%length
+   end function reaches
 
    !> Polyline along a chain of faces that leaves its arcs by no more than a sagitta.
    pure subroutine flatten(vertices, bulges, sagitta, polyline)

@@ -14,7 +14,7 @@ module coulter_points_tile_quality
    !> ... or when the aspect is more than this multiple of the first one.
    real(wp), parameter :: largest_aspect = 5.0_wp
    !> The same for tiles that are no longer good.
-   real(wp), parameter :: worn_jacobian = 0.7_wp, worn_aspect = 2.0_wp
+   real(wp), parameter :: worn_jacobian = 0.9_wp, worn_aspect = 1.3_wp
 
 contains
 

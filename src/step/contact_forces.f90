@@ -8,8 +8,8 @@
 module coulter_step_contact_forces
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: boundary_type, formulation_augmented, formulation_nitsche
-   use coulter_boundary_contact, only: contact_type
-   use coulter_boundary_face, only: place_on, place_type
+   use coulter_boundary_contact, only: contact_type, end_slack
+   use coulter_boundary_face, only: place_on, place_type, reaches
    use coulter_boundary_friction, only: friction_of, friction_type, outer, press, rub, &
       rub_type, shear_capacity
    use coulter_boundary_ibm, only: band_stiffness_factor
@@ -25,9 +25,6 @@ module coulter_step_contact_forces
    !> Gaps below this share of the spacing count as closed: round-off of a body that starts on a
    !> wall.
    real(wp), parameter :: touching = 1.0e-10_wp
-   !> A face reaches this far beyond its ends, over the spacing: a corner that sits at an end must
-   !> not come and go with round-off.
-   real(wp), parameter :: end_slack = 0.05_wp
    !> A tip may slide this far beyond the ends of its edge within a step, over the length of that.
    real(wp), parameter :: tip_slack = 0.5_wp
 
@@ -293,8 +290,6 @@ contains
    end subroutine augment_contacts
 
    !> Does the face act on the corner: held for good, or pressed while it slides along the face?
-   !> Where a face ends, it acts on edges whose middle it reaches: those beyond belong to the next
-   !> face, and the corner between them must not be pushed twice.
    pure function acts(system, contact, place, overlap, spacing) result(answer)
       type(system_type), intent(in) :: system
       type(contact_type), intent(in) :: contact
@@ -304,21 +299,17 @@ contains
       real(wp), intent(in) :: overlap, spacing
       logical :: answer
       type(place_type) :: other
-      real(wp) :: middle, slack
+      real(wp) :: slack
 
       answer = contact%is_bilateral
       if (answer .or. .not. overlap < touching*spacing) return
       slack = end_slack*spacing
-      associate (distance => place%distance, length => contact%face%length)
-         answer = distance >= -slack .and. distance <= length + slack
-         if (.not. answer) return
-         if (distance >= slack .and. distance <= length - slack) return
-         other = place_on(contact%face, contact%other_offset, &
-                          system%map%increment(:, contact%other_corner))
-         middle = 0.5_wp*(distance + other%distance)
-         if (distance < slack) answer = middle > 0.0_wp
-         if (distance > length - slack) answer = answer .and. middle < length
-      end associate
+      answer = contact%is_settled .or. (place%distance >= slack &
+                                        .and. place%distance <= contact%face%length - slack)
+      if (answer) return
+      other = place_on(contact%face, contact%other_offset, &
+                       system%map%increment(:, contact%other_corner))
+      answer = reaches(contact%face, place%distance, other%distance, slack)
    end function acts
 
 end module coulter_step_contact_forces
