@@ -7,9 +7,9 @@ module coulter_deck_laws
    use coulter_deck_references, only: check_unique_names
    use coulter_deck_schema, only: umat_parameters
    use coulter_deck_umat, only: read_umat
-   use coulter_deck_values, only: demand, get_choice, get_list, get_value, refuse
+   use coulter_deck_values, only: demand, get_choice, get_list, get_value, is_given, refuse
    use coulter_law, only: has_word, law_item_type, law_model_type, law_models, law_parameters, &
-      law_values_type, new_law
+      law_values_type, make_undrained, new_law
    implicit none(type, external)
    private
    public :: read_laws
@@ -36,6 +36,7 @@ contains
          else
             call read_law(deck, groups(i), law_models(choice), laws(i))
          end if
+         call read_water(deck, groups(i), laws(i))
       end do
    end subroutine read_laws
 
@@ -63,6 +64,23 @@ contains
       call blame(deck, group, "", &
                  error%message(index(error%message, name//": ") + len(name) + 2:))
    end subroutine read_law
+
+   !> Water in the pores of any law.
+   subroutine read_water(deck, group, item)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      type(law_item_type), intent(inout) :: item
+      type(error_type), allocatable :: error
+      real(wp) :: modulus
+
+      if (.not. is_given(deck, group, "water_bulk_modulus")) return
+      modulus = 1.0_wp
+      call get_value(deck, group, "water_bulk_modulus", modulus)
+      if (.not. allocated(item%law)) return
+      call make_undrained(item, modulus, error)
+      if (allocated(error)) call blame(deck, group, "water_bulk_modulus", &
+                                       "needs a law that is not a user material")
+   end subroutine read_water
 
    !> Values of the parameters that a model takes, unless the deck misses or misspells some.
    subroutine read_parameters(deck, group, model, values, is_complete)

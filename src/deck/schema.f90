@@ -109,6 +109,8 @@ module coulter_deck_schema
                           law_parameters(i)%most, law_parameters(i)%unit, &
                           law_parameters(i)%default, law_parameters(i)%range, &
                           law_parameters(i)%meaning), i=1, size(law_parameters)), &
+      variable_rule_type("law", "water_bulk_modulus", "real", 1, 1, "stress", "(no water)", "> 0", &
+         "undrained by effective stress: bulk modulus of the pore water over the porosity"), &
       variable_rule_type("law", "library", "text", 1, 1, "", "(umat only)", "", &
          "shared library of an Abaqus UMAT; its path starts at the folder of the deck"), &
       variable_rule_type("law", "constants", "real", 1, 1000, "", "(none)", "", &

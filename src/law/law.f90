@@ -14,6 +14,7 @@ module coulter_law
       law_values_type
    use coulter_law_tresca, only: new_tresca, tresca_model
    use coulter_law_umat, only: new_umat, umat_settings_type, umat_type
+   use coulter_law_undrained, only: make_undrained
    use coulter_law_von_mises, only: new_von_mises, von_mises_model
    implicit none(type, external)
    private
@@ -21,7 +22,7 @@ module coulter_law
    public :: law_visit_type, n_plane
    public :: law_model_type, law_models, law_parameter_type, law_parameters, law_values_type
    public :: hencky_type, new_hencky, new_law, has_word
-   public :: new_umat, umat_settings_type, umat_type
+   public :: make_undrained, new_umat, umat_settings_type, umat_type
 
    !> Kinds of law that are built from parameters alone.
    type(law_model_type), parameter :: law_models(*) = [hencky_model, houlsby_model, &
