@@ -66,7 +66,7 @@ module coulter_law_abstract
       character(len=:), allocatable :: name
       !> Number of state variables per point.
       integer :: n_state = 0
-      !> What they are, shape (n_state); unallocated when there are none.
+      !> What the first of them are, those that results keep; unallocated when there are none.
       type(law_variable_type), allocatable :: variables(:)
       !> Is the algorithmic tangent symmetric (elastic and associated laws)?
       logical :: is_symmetric = .true.

@@ -38,8 +38,9 @@ module coulter_law_umat
       private
       !> Number of its own state variables.
       integer :: n_own = 0
-      !> Procedure, constants and name.
+      !> Procedure and name of the material, and its constants.
       type(umat_call_type) :: call
+      real(wp), allocatable :: constants(:)
       !> Own state at the start.
       real(wp), allocatable :: first_own(:)
       !> Moduli of penalties, stress units.
@@ -52,10 +53,10 @@ module coulter_law_umat
       procedure, nopass :: spatial_moduli => umat_spatial_moduli
    end type umat_type
 
-   !> Behind the material's own state variables: Cauchy stress; logarithmic strain since the start,
-   !> turned with the material; deformation gradient 11, 21, 12, 22, 33; volume ratio J, which
-   !> averages of the gradient would spoil.
-   integer, parameter :: at_stress = 0, at_strain = 4, at_gradient = 8, at_ratio = 13, n_kept = 14
+   !> Behind the material's own state variables: logarithmic strain since the start, turned with the
+   !> material; Cauchy stress; deformation gradient 11, 21, 12, 22, 33; volume ratio J, which
+   !> averages of the gradient would spoil. Results hold the last three in fields of their own.
+   integer, parameter :: at_strain = 0, at_stress = 4, at_gradient = 8, at_ratio = 13, n_kept = 14
    !> The gradient at the start.
    real(wp), parameter :: identity(5) = [1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 1.0_wp]
    !> A step is not cut to less than this share at once, whatever the material asks for.
@@ -84,37 +85,26 @@ contains
       call name_variables(law)
       call load_umat(settings%library, law%call%umat, error)
       if (allocated(error)) return
-      ! shared by all copies of the law, and there as long as the library
-      allocate (law%call%constants, source=settings%constants)
+      law%constants = settings%constants
       law%call%material = settings%material
       call find_moduli(law, settings, error)
    end subroutine new_umat
 
-   !> Say what the state variables are.
+   !> Say what the state variables are that results keep.
    pure subroutine name_variables(law)
       type(umat_type), intent(inout) :: law
-      character(len=*), parameter :: components(5) = ["xx", "yy", "zz", "xy", "yx"]
-      integer, parameter :: column(5) = [1, 5, 4, 2, 3]
+      character(len=*), parameter :: components(4) = ["xx", "yy", "zz", "xy"]
       integer :: i
 
-      allocate (law%variables(law%n_state))
+      allocate (law%variables(law%n_own + size(components)))
       do i = 1, law%n_own
          law%variables(i) = law_variable_type("sdv_"//to_text(i), "1", &
                                               "state variable of the user material")
       end do
-      associate (kept => law%variables(law%n_own + 1:))
-         do i = 1, 4
-            kept(at_stress + i) = law_variable_type("umat_stress_"//components(i), "stress", &
-                                                    "Cauchy stress of the user material")
-            kept(at_strain + i) = law_variable_type("umat_strain_"//components(i), "1", &
-                                                    "logarithmic strain of the user material")
-         end do
-         do i = 1, 5
-            kept(at_gradient + i) = law_variable_type("umat_gradient_"//components(column(i)), &
-                                                      "1", "deformation gradient")
-         end do
-         kept(at_ratio + 1) = law_variable_type("umat_volume_ratio", "1", "volume ratio J")
-      end associate
+      do i = 1, size(components)
+         law%variables(law%n_own + at_strain + i) = law_variable_type( &
+            "umat_strain_"//components(i), "1", "logarithmic strain of the user material")
+      end do
    end subroutine name_variables
 
    !> Elastic moduli for penalties: from the deck, or from the material's first tangent.
@@ -167,13 +157,15 @@ contains
       !> State variables at the end of the step.
       real(wp), intent(out) :: new_state(self%n_state)
       type(umat_call_type) :: arguments
-      real(wp), target :: own(self%n_own)
+      real(wp), target :: own(self%n_own), constants(size(self%constants))
       character(len=:), allocatable :: message
       real(wp) :: ratio
 
       own = state(:self%n_own)
       arguments = self%call
       arguments%state => own
+      constants = self%constants
+      arguments%constants => constants
       call prepare_call(arguments, visit, trial_strain, state(self%n_own + 1:))
       ! in no time and without strain nothing happens
       if (visit%time_step > 0.0_wp .or. any(abs(trial_strain) > 0.0_wp)) then
@@ -304,7 +296,7 @@ contains
       !> Own state of the deck, the stress, and no deformation.
       real(wp), intent(out) :: state(self%n_state)
 
-      state = [self%first_own, stress, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, identity, 1.0_wp]
+      state = [self%first_own, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, stress, identity, 1.0_wp]
    end subroutine umat_initial_state
 
    !> See `law_type`: the stress of the start turns with the step.
