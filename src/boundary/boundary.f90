@@ -70,6 +70,11 @@ module coulter_boundary
       !> Is it a rigid tool, whose sharp corners press on edges of bodies as well, and is that a
       !> solid: a closed chain with the material outside?
       logical :: is_tool = .false., is_solid = .false.
+      !> Components of its displacement that are free: a load, force units per thickness at a table
+      !> value of 1, decides them.
+      logical :: is_free(2) = .false.
+      real(wp) :: load(2) = 0.0_wp
+      integer :: load_table = 0
       !> Bulge of every segment: tangent of a quarter of the angle of an arc, positive when it runs
       !> counter-clockwise, shape (n_segments); unallocated if all are straight.
       real(wp), allocatable :: bulges(:)

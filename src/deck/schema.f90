@@ -252,6 +252,12 @@ module coulter_deck_schema
          "name of the table that schedules the rotation; else proportional to time"), &
       variable_rule_type("tool", "pivot", "real", 2, 2, "length", "(position)", "", &
          "centre of rotation and of moments at the start; moves with the displacement"), &
+      variable_rule_type("tool", "free", "choice", 1, 1, "", "(none)", "x y xy", &
+         "components of the displacement that `load` decides"), &
+      variable_rule_type("tool", "load", "real", 2, 2, "force", "0.0, 0.0", "", &
+         "force on the tool per thickness, such as its weight, at a table value of 1"), &
+      variable_rule_type("tool", "load_table", "text", 1, 1, "", "(ramp)", "", &
+         "name of the table that schedules the load; else proportional to time"), &
       variable_rule_type("tool", "friction", "real", 1, 1, "", "0.0", ">= 0", &
          "coefficient of Coulomb friction"), &
       variable_rule_type("tool", "adhesion", "real", 1, 1, "stress", "0.0", ">= 0", &

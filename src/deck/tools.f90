@@ -74,7 +74,27 @@ contains
       call read_shape(deck, group, tool)
       call read_motion(deck, group, 0, schedule, tool)
       call read_rotation(deck, group, tool)
+      call read_freedom(deck, group, tool)
    end subroutine read_tool
+
+   !> Components that a load decides.
+   subroutine read_freedom(deck, group, tool)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: group
+      type(boundary_type), intent(inout) :: tool
+      integer :: choice
+
+      choice = 0
+      call get_choice(deck, group, "free", choice)
+      tool%is_free = [choice == 1 .or. choice == 3, choice >= 2]
+      call get_value(deck, group, "load", tool%load)
+      call get_reference(deck, group, "load_table", tool%load_table, "table")
+      if (any(tool%is_free .and. abs(tool%displacement) > 0.0_wp)) then
+         call blame(deck, group, "free", "cannot go with a displacement in the same direction")
+      else if (any(.not. tool%is_free .and. abs(tool%load) > 0.0_wp)) then
+         call blame(deck, group, "load", "needs `free` in its direction")
+      end if
+   end subroutine read_freedom
 
    !> Rotation about a point that moves with the tool.
    subroutine read_rotation(deck, group, tool)

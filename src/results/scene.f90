@@ -149,7 +149,7 @@ contains
       call file%add_rows("boundaries/vertices", kind_real, [2, int(ends(size(ends)))], 1)
    end subroutine put_boundaries
 
-   !> Write which boundaries are tools, and how their faces are bent: a bulge per corner, that of the
+   !> Write which boundaries are tools, and how their faces are bent: a bulge per corner, for the
    !> face that begins there.
    subroutine put_shape_kinds(file, boundaries, n_corners)
       type(hdf5_file_type), intent(inout) :: file

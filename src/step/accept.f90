@@ -266,6 +266,8 @@ contains
 
       do b = 1, size(model%boundaries)
          motion = boundary_motion(model, b, system%start_time, system%end_time)
+         if (system%border%n > 0) motion%translation = motion%translation &
+            + system%border%motion(:, b)
          associate (boundary => model%boundaries(b))
             do i = 1, size(boundary%vertices, 2)
                boundary%vertices(:, i) = moved_by(motion, boundary%vertices(:, i))

@@ -15,12 +15,14 @@ module coulter_step_contact_forces
    use coulter_boundary_ibm, only: band_stiffness_factor
    use coulter_boundary_tip, only: edge_place_type, place_on_edge
    use coulter_model, only: model_type, point_moduli
+   use coulter_step_border, only: add_station, clear_border
    use coulter_step_point_kernel, only: point_response_type
    use coulter_step_system, only: system_type
+   use coulter_step_tile_map, only: spread_to_nodes
    use coulter_step_tile_scatter, only: add_at_corners, respond_tile, scatter_tile
    implicit none(type, external)
    private
-   public :: add_contacts, augment_contacts
+   public :: add_contacts, augment_contacts, motion_of, land_free_tools
 
    !> Gaps below this share of the spacing count as closed: round-off of a body that starts on a
    !> wall.
@@ -40,11 +42,12 @@ contains
       !> Forces on the corners, shape (2, n_corners).
       real(wp), intent(inout) :: at_corners(:, :)
       type(point_response_type) :: response
-      real(wp) :: force(2, 4), stiffness(2, 4, 2, 4), before(2, 4)
-      integer :: k, tile
+      real(wp) :: force(2, 4), stiffness(2, 4, 2, 4), own_force(2, 4), own_stiffness(2, 4, 2, 4)
+      integer :: k, j, tile
       logical :: has_failed
 
       tile = 0
+      call clear_border(system%border)
       do k = 1, system%contacts%n
          associate (contact => system%contacts%item(k))
             if (contact%tile /= tile) then
@@ -53,19 +56,32 @@ contains
                stiffness = 0.0_wp
                call respond_tile(system, model, tile, response, has_failed)
             end if
-            before = force
-            call add_contact(system, model, contact, response, force, stiffness)
-            associate (total => system%boundary_reaction(:, contact%boundary), &
-                       length => system%loaded_length(contact%boundary))
-               total = total + sum(before - force, dim=2)
-               if (contact%is_acting) length = length + contact%weight
-            end associate
+            own_force = 0.0_wp
+            own_stiffness = 0.0_wp
+            call add_contact(system, model, contact, response, own_force, own_stiffness)
+            if (contact%is_acting) then
+               force = force + own_force
+               stiffness = stiffness + own_stiffness
+               call add_station(system%border, contact%boundary, model%tiling%corner(:, tile), &
+                                own_force, own_stiffness)
+               associate (total => system%boundary_reaction(:, contact%boundary), &
+                          length => system%loaded_length(contact%boundary))
+                  total = total - sum(own_force, dim=2)
+                  length = length + contact%weight
+               end associate
+            end if
          end associate
          if (k < system%contacts%n) then
             if (system%contacts%item(k + 1)%tile == tile) cycle
          end if
          call add_at_corners(model%tiling%corner(:, tile), force, at_corners)
          call scatter_tile(system, tile, stiffness)
+      end do
+      do j = 1, system%border%n
+         call spread_to_nodes(system%map, system%border%corner_column(:, :, j), &
+                              system%border%column(:, :, j))
+         call spread_to_nodes(system%map, system%border%corner_row(:, :, j), &
+                              system%border%row(:, :, j))
       end do
    end subroutine add_contacts
 
@@ -80,7 +96,7 @@ contains
       type(rub_type) :: answer
       real(wp) :: penalty(2), material(2), by_vertices(2, 2, 4), moved(2, 2), lag(2), by_gap(2, 2)
 
-      moved = system%map%increment(:, [contact%corner, contact%other_corner])
+      moved = motion_of(system, contact)
       if (contact%tip > 0) then
          place = place_on_edge(reshape([contact%offset, contact%other_offset], [2, 2]) + moved)
       else
@@ -108,6 +124,48 @@ contains
          call add_answer(contact, answer, by_vertices, force, stiffness)
       end if
    end subroutine add_contact
+
+   !> Motion of both ends of an edge against a tool that may move freely.
+   pure function motion_of(system, contact) result(moved)
+      !> System at the present unknowns.
+      type(system_type), intent(in) :: system
+      !> The station.
+      type(contact_type), intent(in) :: contact
+      !> Motion of its corner and of the other end of the edge, length units.
+      real(wp) :: moved(2, 2)
+
+      moved = system%map%increment(:, [contact%corner, contact%other_corner])
+      if (system%border%n == 0) return
+      moved = moved - spread(system%border%motion(:, contact%boundary), 2, 2)
+   end function motion_of
+
+   !> Let the nearest stations of free tools that touch nothing act, as if they had before: they
+   !> must carry the load.
+   pure subroutine land_free_tools(system, has_changed)
+      !> System whose contacts have been evaluated.
+      type(system_type), intent(inout) :: system
+      !> Was there such a tool?
+      logical, intent(out) :: has_changed
+      type(place_type) :: place(system%contacts%n)
+      real(wp) :: moved(2, 2)
+      integer :: j, k
+
+      has_changed = .false.
+      do j = 1, system%border%n
+         associate (contacts => system%contacts%item(:system%contacts%n), &
+                    b => system%border%boundary(j))
+            if (any(contacts%is_acting .and. contacts%boundary == b)) cycle
+            if (.not. any(contacts%boundary == b .and. contacts%tip == 0)) cycle
+            do k = 1, size(contacts)
+               moved = motion_of(system, contacts(k))
+               place(k) = place_on(contacts(k)%face, contacts(k)%offset, moved(:, 1))
+            end do
+            k = minloc(place%gap, dim=1, mask=contacts%boundary == b .and. contacts%tip == 0)
+            system%contacts%item(k)%was_acting = .true.
+            has_changed = .true.
+         end associate
+      end do
+   end subroutine land_free_tools
 
    !> Does the station act? A prediction keeps what acted in the last step.
    subroutine decide(system, model, contact, place, overlap)
@@ -299,7 +357,7 @@ contains
       real(wp), intent(in) :: overlap, spacing
       logical :: answer
       type(place_type) :: other
-      real(wp) :: slack
+      real(wp) :: slack, moved(2, 2)
 
       answer = contact%is_bilateral
       if (answer .or. .not. overlap < touching*spacing) return
@@ -307,8 +365,8 @@ contains
       answer = contact%is_settled .or. (place%distance >= slack &
                                         .and. place%distance <= contact%face%length - slack)
       if (answer) return
-      other = place_on(contact%face, contact%other_offset, &
-                       system%map%increment(:, contact%other_corner))
+      moved = motion_of(system, contact)
+      other = place_on(contact%face, contact%other_offset, moved(:, 2))
       answer = reaches(contact%face, place%distance, other%distance, slack)
    end function acts
 

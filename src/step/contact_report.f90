@@ -8,6 +8,7 @@ module coulter_step_contact_report
    use coulter_model, only: model_type
    use coulter_model_contact_report, only: contact_report_type, station_report_type
    use coulter_model_observer, only: step_report_type
+   use coulter_step_contact_forces, only: motion_of
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
@@ -53,8 +54,9 @@ contains
       type(place_type) :: place
       real(wp) :: force(2), arm(2)
 
-      call locate(contact, system%map%increment(:, [contact%corner, contact%other_corner]), &
-                  place, station%position)
+      call locate(contact, motion_of(system, contact), place, station%position)
+      if (system%border%n > 0) station%position = station%position &
+         + system%border%motion(:, contact%boundary)
       station%boundary = contact%boundary
       station%slip = contact%slip
       station%weight = contact%weight

@@ -7,7 +7,8 @@ module coulter_step_newton
    use coulter_model, only: model_type
    use coulter_model_observer, only: phase_assemble, phase_factorise, phase_solve
    use coulter_step_assembly, only: assemble
-   use coulter_step_contact_forces, only: augment_contacts
+   use coulter_step_border, only: set_motion, solve_bordered
+   use coulter_step_contact_forces, only: augment_contacts, land_free_tools
    use coulter_step_dofs, only: expand, reduce
    use coulter_step_system, only: system_type
    implicit none(type, external)
@@ -68,7 +69,7 @@ contains
       logical :: is_done
       integer :: round
 
-      associate (n => system%dofs%n_dofs)
+      associate (n => system%dofs%n_dofs + system%border%n)
          allocate (newton%unknowns(n), newton%correction(n), source=0.0_wp)
          allocate (newton%unbalanced(n), newton%residuals(0))
       end associate
@@ -109,6 +110,7 @@ contains
       type(newton_type), intent(inout) :: newton
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
+      logical :: has_landed
 
       if (system%has_friction) newton%has_predicted = &
          any(system%contacts%item(:system%contacts%n)%was_acting)
@@ -116,6 +118,12 @@ contains
       newton%may_begin_again = system%is_smooth
       system%is_predicting = newton%has_predicted
       call evaluate(newton, system, model, newton%unknowns)
+      call land_free_tools(system, has_landed)
+      if (has_landed .and. .not. allocated(newton%failure)) then
+         newton%has_predicted = .true.
+         system%is_predicting = .true.
+         call evaluate(newton, system, model, newton%unknowns)
+      end if
       system%is_predicting = .false.
    end subroutine begin
 
@@ -163,7 +171,8 @@ contains
       real(wp), intent(in) :: unknowns(:)
 
       system%needs_tangent = .not. expects_end(newton, model)
-      call expand(system%dofs, unknowns, system%increment)
+      call expand(system%dofs, unknowns(:system%dofs%n_dofs), system%increment)
+      call set_motion(system%border, unknowns(system%dofs%n_dofs + 1:))
       call evaluate_again(newton, system, model)
    end subroutine evaluate
 
@@ -205,6 +214,7 @@ contains
       real(wp) :: reference, residual
 
       reference = max(norm_of(system, system%internal), norm_of(system, system%external))
+      if (system%border%n > 0) reference = max(reference, norm2(system%border%load))
       call balance(newton, system)
       residual = norm2(newton%unbalanced)
       if (reference > 0.0_wp) then
@@ -220,8 +230,11 @@ contains
       type(newton_type), intent(inout) :: newton
       type(system_type), intent(in) :: system
 
-      call reduce_copy(system, system%internal + system%boundary - system%external, &
-                       newton%unbalanced)
+      associate (n => system%dofs%n_dofs)
+         call reduce_copy(system, system%internal + system%boundary - system%external, &
+                          newton%unbalanced(:n))
+         if (system%border%n > 0) newton%unbalanced(n + 1:) = system%border%unbalanced
+      end associate
    end subroutine balance
 
    !> Norm of nodal forces, reduced to the unknowns.
@@ -290,9 +303,9 @@ contains
       call system%watch%start(phase_factorise)
       call system%solver%refresh(system%pattern, system%values, has_failed)
       call system%watch%start(phase_solve)
-      if (.not. has_failed) call system%solver%solve(system%pattern, system%values, &
-                                                     -newton%unbalanced, newton%correction, &
-                                                     has_failed, forcing(newton))
+      if (.not. has_failed) call solve_bordered(system%border, system%solver, system%pattern, &
+                                                system%values, system%dofs, newton%unbalanced, &
+                                                newton%correction, has_failed, forcing(newton))
       call system%watch%stop()
       if (.not. has_failed) has_failed = maxval(abs(newton%correction)) &
          > largest_motion*maxval(model%grid%upper_corner() - model%grid%origin)

@@ -36,6 +36,8 @@ contains
       do b = 1, size(model%boundaries)
          if (.not. (model%boundaries(b)%is_tool .and. model%boundaries(b)%is_active)) cycle
          motion = boundary_motion(model, b, system%start_time, system%end_time)
+         if (system%border%n > 0) motion%translation = motion%translation &
+            + system%border%motion(:, b)
          do e = 1, size(model%tiling%outer_edge, 2)
             associate (corner => model%tiling%outer_edge(1, e))
                if (.not. has_passed(model%boundaries(b), motion, &

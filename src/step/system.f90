@@ -11,6 +11,7 @@ module coulter_step_system
    use coulter_grid_cells, only: cells_type
    use coulter_model_contact_report, only: contact_report_type
    use coulter_law, only: law_verdict_type, law_visit_type
+   use coulter_step_border, only: border_type
    use coulter_step_dofs, only: dofs_type
    use coulter_step_ghost, only: ghost_type
    use coulter_step_patches, only: patches_memory, patches_type
@@ -89,6 +90,8 @@ module coulter_step_system
       real(wp), allocatable :: loaded_length(:), lost_length(:)
       !> Force of every boundary on the body, shape (2, n_boundaries).
       real(wp), allocatable :: boundary_reaction(:, :)
+      !> Free components of tools.
+      type(border_type) :: border
       !> What the boundaries felt at the end of the last step, to sum up their work; shapes
       !> (n_boundaries) and (2, n_boundaries).
       type(contact_report_type), allocatable :: last_report(:)

@@ -7,9 +7,10 @@ module coulter_step_tile_setup
    use coulter_boundary_contact, only: build_contacts, find_held_edges, recall_contacts
    use coulter_boundary_edge_load, only: find_loaded_edges
    use coulter_boundary_motion, only: motion_type
-   use coulter_model, only: boundary_motion, model_type, point_moduli
+   use coulter_model, only: boundary_motion, load_factor, model_type, point_moduli
    use coulter_model_control, only: small_cells_aggregate
    use coulter_points_tiling, only: corner_weights
+   use coulter_step_border, only: new_border
    use coulter_step_dofs, only: number_dofs
    use coulter_step_ghost, only: find_ghost_faces, ghost_matrix, ghost_type
    use coulter_step_system, only: make_room, renew_pattern, system_type
@@ -75,9 +76,26 @@ contains
       call couple_faces(faces, system)
       call gather_mass(system, model)
       call make_room(system, size(model%boundaries))
+      call set_border(system, model)
       call renew_pattern(system, joined(system%coupling%elements, faces%elements), has_failed)
       if (.not. has_failed) call set_ghost_values(system, faces)
    end subroutine number_tile_system
+
+   !> Free components of tools, with the loads on them at the end of the step.
+   subroutine set_border(system, model)
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+      integer :: j
+
+      call new_border(system%border, model%boundaries, system%cells%n_nodes, &
+                      model%tiling%n_corners)
+      do j = 1, system%border%n
+         associate (tool => model%boundaries(system%border%boundary(j)))
+            system%border%load(j) = tool%load(system%border%direction(j)) &
+               *load_factor(model, tool%load_table, system%end_time, tool%ramp_phase)
+         end associate
+      end do
+   end subroutine set_border
 
    !> Are all nodes of a cell unknowns of their own?
    pure function all_are_core(system, is_core) result(answer)
