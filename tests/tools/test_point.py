@@ -184,3 +184,21 @@ def test_runs_agree_with_built_in_laws(twins):
         difference = np.abs(force["built_in"] - force["umat"]).max()
         assert difference < 0.02 * np.abs(force["built_in"]).max(), (model, force)
         assert iterations["umat"] <= 1.2 * iterations["built_in"], iterations
+
+
+def test_passive_pressure_of_a_user_material(twins):
+    """input/rankine/passive.nml with Mohr-Coulomb as a user material: 3773 kN/m by Rankine."""
+    h5py = pytest.importorskip("h5py")
+    text = (SOURCE / "input/rankine/passive.nml").read_text(encoding="utf-8")
+    start = text.index("&law")
+    law = ("&law name = 'silt', model = 'umat', library = 'mohr.so', n_state = 1\n"
+           "   constants = 2.0e5, 0.3, 5.0, 30.0, 0.0 ")
+    deck = twins / "passive.nml"
+    deck.write_text(text[:start] + law + text[text.index("/\n", start):], encoding="utf-8")
+    result = run("--quiet", deck, cwd=twins)
+    assert result.returncode == 0, result.stderr
+    with h5py.File(twins / "passive.vtkhdf") as file:
+        force = file["history/boundary_reactions"][:, 2, 0]  # of the wall, the last boundary
+    assert abs(force[-1] / 3773.2 - 1.0) < 0.01
+    # at rest: K0 = 0.5 of the deck, 0.5 (1000 + 200)
+    assert abs(force[1] / 600.0 - 1.0) < 1e-6
