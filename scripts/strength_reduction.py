@@ -41,28 +41,54 @@ def reduced(deck, factor):
     return "\n".join(lines) + "\n", count
 
 
-def stands(program, deck, factor, folder):
-    """Does the scene find equilibrium in all its steps? Other failures end the search."""
-    path = Path(folder) / f"reduced_{factor:.6f}.nml"
-    path.write_text(reduced(deck, factor)[0], encoding="utf-8")
-    result = subprocess.run([program, "--quiet", "--output", folder, path], capture_output=True,
-                            text=True, check=False)
-    if result.returncode not in (0, 1):
-        sys.exit(result.stderr)
-    return result.returncode == 0
+def largest_displacement(path):
+    """In the last frame of a results file."""
+    # needed with --growth only
+    import h5py
+
+    with h5py.File(path) as results:
+        count = int(results["VTKHDF/NumberOfPoints"][-1])
+        first = int(results["VTKHDF/Steps/PointOffsets"][-1])
+        rows = results["VTKHDF/PointData/displacement"][first:first + count]
+    return float((rows**2).sum(axis=1).max() ** 0.5)
 
 
-def find_factor(program, deck, low, high, accuracy, report=print):
+class Scene:
+    """A deck that is run with ever other factors."""
+
+    def __init__(self, program, deck, growth, folder):
+        self.program, self.deck, self.growth, self.folder = program, deck, growth, folder
+        self.first_displacement = None
+
+    def stands(self, factor):
+        """Does the scene find equilibrium in all its steps, without displacements that have grown
+        too much since the first factor? Faults of the deck end the search."""
+        path = Path(self.folder) / f"reduced_{factor:.6f}.nml"
+        path.write_text(reduced(self.deck, factor)[0], encoding="utf-8")
+        result = subprocess.run([self.program, "--quiet", "--output", self.folder, path],
+                                capture_output=True, text=True, check=False)
+        if result.returncode not in (0, 1):
+            sys.exit(result.stderr)
+        if result.returncode == 1 or self.growth is None:
+            return result.returncode == 0
+        displacement = largest_displacement(path.with_suffix(".vtkhdf"))
+        if self.first_displacement is None:
+            self.first_displacement = displacement
+        return displacement <= self.growth * self.first_displacement
+
+
+def find_factor(program, deck, low, high, accuracy, growth=None):
     """Bisect: the largest factor known to stand, and the smallest known not to."""
     with tempfile.TemporaryDirectory() as folder:
+        scene = Scene(program, deck, growth, folder)
         for bound, expected in ((low, True), (high, False)):
-            if stands(program, deck, bound, folder) != expected:
+            if scene.stands(bound) != expected:
                 sys.exit(f"the scene {'falls' if expected else 'stands'} at the factor {bound};"
                          f" give a {'smaller --low' if expected else 'larger --high'}")
         while high - low > accuracy:
             middle = 0.5 * (low + high)
-            is_standing = stands(program, deck, middle, folder)
-            report(f"{middle:8.4f} {'stands' if is_standing else 'falls'}")
+            is_standing = scene.stands(middle)
+            print(f"{middle:8.4f} {'stands' if is_standing else 'falls'}", flush=True)
             if is_standing:
                 low = middle
             else:
@@ -78,11 +104,14 @@ def main():
     parser.add_argument("--low", type=float, default=1.0, help="a factor that stands")
     parser.add_argument("--high", type=float, default=2.0, help="a factor that falls")
     parser.add_argument("--accuracy", type=float, default=0.01)
+    parser.add_argument("--growth", type=float, help="the scene falls, too, when the largest"
+                        " displacement exceeds this many times that at --low")
     options = parser.parse_args()
     deck = options.deck.read_text(encoding="utf-8")
     if reduced(deck, 1.0)[1] == 0:
         sys.exit(f"{options.deck}: no strengths to reduce")
-    low, high = find_factor(options.program, deck, options.low, options.high, options.accuracy)
+    low, high = find_factor(options.program, deck, options.low, options.high, options.accuracy,
+                            options.growth)
     print(f"factor of safety {0.5 * (low + high):.3f}, between {low:.4f} and {high:.4f}")
 
 

@@ -1,8 +1,8 @@
 """Factor of safety of a slope by strength reduction (scripts/strength_reduction.py).
 
 The slope of input/slope is example 1 of Griffiths and Lane, Geotechnique 49 (1999) 387-403: 1.4 by
-finite elements; Bishop and Morgenstern, Geotechnique 10 (1960) 129-150, have 1.38. Asked for are
-3 % of 1.4.
+finite elements; Bishop and Morgenstern, Geotechnique 10 (1960) 129-150, have 1.38. The vertical cut
+of clay stands up to gamma H/s_u = 3.776, here with a factor of 1.5. Asked for are 3 %.
 """
 import importlib.util
 import math
@@ -14,6 +14,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = Path(os.environ.get("COULTER_EXE") or os.environ.get("COULTER_PROGRAM")
                or ROOT / "build/release/coulter").resolve()
+CUT = (ROOT / "input/slope/vertical_cut.nml").read_text(encoding="utf-8")
 DECK = (ROOT / "input/slope/slope.nml").read_text(encoding="utf-8")
 
 
@@ -39,6 +40,12 @@ def test_strengths_are_divided(script):
 def test_slope_has_the_known_factor(script):
     low, high = script.find_factor(PROGRAM, DECK, 0.97 * 1.4, 1.03 * 1.4, 0.04)
     assert 0.97 * 1.4 <= low < high <= 1.03 * 1.4
+
+
+def test_vertical_cut_has_the_known_factor(script):
+    # where displacements begin to grow: at this spacing equilibrium is lost at 1.6 only
+    low, high = script.find_factor(PROGRAM, CUT, 0.97 * 1.5, 1.03 * 1.5, 0.1, growth=2.0)
+    assert 0.97 * 1.5 <= low < high <= 1.03 * 1.5
 
 
 def test_wrong_bounds_are_told(script):
