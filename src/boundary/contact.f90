@@ -280,8 +280,8 @@ contains
    end function lag_after
 
    !> Stations at both ends of an edge against one face.
-   pure subroutine meet(contacts, boundary, b, s, motion, tiling, e, held, reach, deepest, spacing, &
-                        tips)
+   pure subroutine meet(contacts, boundary, b, s, motion, tiling, e, held, reach, deepest, &
+                        spacing, tips)
       type(contacts_type), intent(inout) :: contacts
       type(boundary_type), intent(in) :: boundary
       integer, intent(in) :: b, s, e

@@ -86,9 +86,9 @@ contains
                              dot_product(place%normal, face%normal))
    end function place_on
 
-   !> Does a face act on the end of an edge? It does where the foot lies on it or hardly beyond; where
-   !> it ends, on edges whose middle it reaches: those beyond belong to the next face, and the corner
-   !> between them must not be pushed twice.
+   !> Does a face act on the end of an edge? It does where the foot lies on it or hardly beyond;
+   !> where it ends, on edges whose middle it reaches: those beyond belong to the next face, and the
+   !> corner between them must not be pushed twice.
    pure function reaches(face, distance, other, slack) result(answer)
       !> The face.
       type(face_type), intent(in) :: face
