@@ -41,7 +41,7 @@ contains
       call write_count("unknowns", int(scene%n_dofs, long), &
                        grouped(int(scene%n_entries, long))//" matrix entries, " &
                        //bytes_text(scene%memory))
-      call write_count("steps", int(size(model%schedule%end_time), long), "")
+      call write_count("steps", int(size(model%schedule%end_time), long), phases_text(model))
       call write_boundaries(unit, model)
       call write_paragraph(unit, "  "//left("not needed", label_width), not_needed(model))
 
@@ -57,6 +57,21 @@ contains
       end subroutine write_count
 
    end subroutine write_scene
+
+   !> Names of the phases, if there are any.
+   pure function phases_text(model) result(text)
+      type(model_type), intent(in) :: model
+      character(len=:), allocatable :: text
+      integer :: i
+
+      text = ""
+      if (.not. allocated(model%schedule%phases)) return
+      text = "in phases"
+      do i = 1, size(model%schedule%phases)
+         if (i > 1) text = text//","
+         text = text//" "//model%schedule%phases(i)%name
+      end do
+   end function phases_text
 
    !> Length of the longest name of a boundary.
    pure function name_width(boundaries) result(width)
