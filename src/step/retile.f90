@@ -46,7 +46,6 @@ contains
       type(system_type), intent(inout) :: system
       !> What happened in the step.
       type(step_report_type), intent(inout) :: report
-      character(len=:), allocatable :: outcome
       real(wp) :: way
       logical :: are_distorted, are_due, has_failed
 
@@ -65,11 +64,10 @@ contains
                           //" than with steps of a fifth of a cell")
       end if
       if (.not. are_distorted) return
-      outcome = "forces cannot be trusted"
-      if (report%has_retiled) outcome = "the bodies have been tiled anew"
       call add_warning(report%warnings, "tiles were distorted (worst corner " &
                        //to_text(report%worst_corner, 2)//", worst aspect " &
-                       //to_text(report%worst_aspect, 2)//", both 1 at first): "//outcome)
+                       //to_text(report%worst_aspect, 2)//", both 1 at first): " &
+                       //outcome_of(model, report%has_retiled))
    end subroutine retile_if_distorted
 
    !> How far the fastest boundary has moved in the step.
@@ -112,7 +110,7 @@ contains
       type(loaded_edge_type), allocatable :: loaded(:)
       integer, allocatable :: owner(:)
 
-      has_failed = share_corners(model)
+      has_failed = any(sharing_bodies(model) > 0)
       if (has_failed) return
       call make_tiles(model, tiling, owner, has_failed)
       if (has_failed) return
@@ -134,21 +132,46 @@ contains
       system%way_since_tiling = 0.0_wp
    end subroutine retile_model
 
-   !> Do tiles of different bodies share a corner?
-   pure function share_corners(model) result(answer)
+   !> Two bodies whose tiles share a corner; zeros if there are none.
+   pure function sharing_bodies(model) result(pair)
       type(model_type), intent(in) :: model
-      logical :: answer
-      integer :: body(model%tiling%n_corners), p
+      integer :: pair(2)
+      integer :: body(model%tiling%n_corners), p, v
 
       body = 0
-      answer = .false.
+      pair = 0
       do p = 1, model%points%n_points
-         associate (corner => model%tiling%corner(:, p))
-            answer = answer .or. any(body(corner) /= 0 .and. body(corner) /= model%points%body(p))
-            body(corner) = model%points%body(p)
-         end associate
+         do v = 1, 4
+            associate (owner => body(model%tiling%corner(v, p)))
+               if (owner /= 0 .and. owner /= model%points%body(p)) then
+                  pair = [owner, model%points%body(p)]
+                  return
+               end if
+               owner = model%points%body(p)
+            end associate
+         end do
       end do
-   end function share_corners
+   end function sharing_bodies
+
+   !> What became of distorted tiles, in words.
+   pure function outcome_of(model, has_retiled) result(outcome)
+      type(model_type), intent(in) :: model
+      logical, intent(in) :: has_retiled
+      character(len=:), allocatable :: outcome
+      integer :: pair(2)
+
+      outcome = "the bodies have been tiled anew"
+      if (has_retiled) return
+      outcome = "forces cannot be trusted"
+      if (.not. model%control%may_retile) return
+      pair = sharing_bodies(model)
+      if (pair(1) == 0) then
+         outcome = "no new tiles fit the bodies, "//outcome
+      else
+         outcome = "bodies "//model%bodies(pair(1))%name//" and "//model%bodies(pair(2))%name &
+            //" share corners and cannot be tiled anew, "//outcome
+      end if
+   end function outcome_of
 
    !> New tiles of all bodies, body by body.
    pure subroutine make_tiles(model, tiling, owner, has_failed)
