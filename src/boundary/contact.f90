@@ -15,7 +15,7 @@ module coulter_boundary_contact
    implicit none(type, external)
    private
    public :: contact_type, contacts_type, held_edge_type, find_held_edges, build_contacts
-   public :: carry_held_edges, recall_contacts, carry_contacts, end_slack
+   public :: carry_held_edges, recall_contacts, end_slack
 
    !> One end of an outer edge against one face.
    type :: contact_type
@@ -234,39 +234,6 @@ contains
          end associate
       end do
    end subroutine recall_contacts
-
-   !> Give the outer edges of new tiles the contacts that the old ones had there: what acted and
-   !> what slipped, to predict the next step.
-   pure subroutine carry_contacts(last, tiling, old_tiling)
-      !> Contacts of the last step, ordered by edge; get edges and corners of the new tiles.
-      type(contacts_type), intent(inout) :: last
-      !> New tiles.
-      type(tiling_type), intent(in) :: tiling
-      !> Old tiles.
-      type(tiling_type), intent(in) :: old_tiling
-      type(contacts_type) :: new
-      type(contact_type) :: contact
-      real(wp) :: share
-      integer :: e, k, old, j
-
-      allocate (new%item(64))
-      do e = 1, size(tiling%outer_edge, 2)
-         call nearest_outer_edge(old_tiling, 0.5_wp*sum(tiling%position(:, tiling%outer_edge( &
-                                                                        :2, e)), dim=2), old, share)
-         do j = 1, last%n
-            if (last%item(j)%edge /= old .or. last%item(j)%end_of_edge /= 1) cycle
-            contact = last%item(j)
-            contact%edge = e
-            ! remembered tractions belong to edges that are gone
-            contact%traction = 0.0_wp
-            do k = 1, 2
-               contact%end_of_edge = k
-               call append(new, contact)
-            end do
-         end do
-      end do
-      last = new
-   end subroutine carry_contacts
 
    !> Way to a corner from the place where it sticks to a boundary, once that has moved.
    pure function lag_after(motion, corner, lag) result(way)

@@ -4,7 +4,7 @@ module coulter_step_retile
    use coulter_base_kinds, only: wp
    use coulter_base_tensor, only: finger_of_log_strain_plane, log_strain_plane
    use coulter_base_text, only: to_text
-   use coulter_boundary_contact, only: carry_contacts, carry_held_edges, held_edge_type
+   use coulter_boundary_contact, only: carry_held_edges, held_edge_type
    use coulter_boundary_edge_load, only: carry_loaded_edges, loaded_edge_type
    use coulter_boundary_motion, only: largest_shift
    use coulter_boundary_trimming, only: is_near_face, trim_outline
@@ -126,7 +126,8 @@ contains
       call carry_loaded_edges(loaded, tiling, system%loaded_edges, model%tiling)
       call move_alloc(held, system%held_edges)
       call move_alloc(loaded, system%loaded_edges)
-      call carry_contacts(system%last_contacts, tiling, model%tiling)
+      ! the next step begins with smooth contacts: predictions from edges that are gone do not hold
+      system%last_contacts%n = 0
       model%tiling = tiling
       model%points = points
       system%way_since_tiling = 0.0_wp
