@@ -110,10 +110,6 @@ contains
       if (control%small_cells == small_cells_drop .and. control%domains == domains_tiles) then
          call blame(deck, group, "small_cells", "must be 'keep' or 'aggregate' for tiled domains")
       end if
-      if (control%has_mean_volume .and. control%domains == domains_tiles) then
-         call blame(deck, group, "volumetric", "must be 'standard' for tiled domains: with one" &
-                    //" point per cell they do not lock")
-      end if
       if (control%domains /= domains_tiles) then
          call refuse(deck, group, "hourglass", "belongs to domains = 'cpdi2'")
          call refuse(deck, group, "ghost_penalty", "belongs to domains = 'cpdi2'")

@@ -14,6 +14,7 @@ module coulter_model_prepare
    use coulter_model_initial_stress, only: initial_stress, is_geostatic
    use coulter_model_phases, only: activate
    use coulter_points_seeding, only: seed_points, seed_tiles
+   use coulter_points_tile_groups, only: group_tiles
    use coulter_points_tiling, only: remember_pulls
    implicit none(type, external)
    private
@@ -56,6 +57,7 @@ contains
       call check_boundaries(model, regions, faults)
       call check_fixities(model, faults)
       call check_geostatic(model, faults)
+      call check_mean_volume(model, faults)
       if (faults%n_faults > known_faults) return
       call activate(model, 1)
       call seed_model(model)
@@ -283,6 +285,18 @@ contains
       end do
    end subroutine check_geostatic
 
+   !> Tiles share volume changes only where a cell holds several.
+   pure subroutine check_mean_volume(model, faults)
+      type(model_type), intent(in) :: model
+      type(fault_list_type), intent(inout) :: faults
+
+      if (model%control%domains /= domains_tiles .or. .not. model%control%has_mean_volume) return
+      if (any(model%bodies%points_per_cell > 1)) return
+      call faults%add("control", 1, "volumetric", "'fbar' has no use for tiled domains with one" &
+                      //" point per cell, which do not lock: give a body points_per_cell = 2 or" &
+                      //" more, or take 'standard'")
+   end subroutine check_mean_volume
+
    !> Points of all bodies with their initial stress.
    subroutine seed_model(model)
       type(model_type), intent(inout) :: model
@@ -295,8 +309,14 @@ contains
       if (model%control%domains == domains_tiles) then
          allocate (model%tiling)
          call seed_tiles(model%points, model%tiling, model%grid, model%bodies, n_state)
+         if (model%control%has_mean_volume) then
+            call group_tiles(model%tiling, model%points, model%grid, model%bodies)
+         end if
       else
          call seed_points(model%points, model%grid, model%bodies, n_state)
+      end if
+      if (model%control%has_mean_volume) then
+         allocate (model%points%shared_ratio(model%points%n_points), source=1.0_wp)
       end if
       if (.not. all_are_elastic(model)) then
          allocate (model%points%has_flowed(model%points%n_points), source=.false.)

@@ -3,10 +3,10 @@
 module coulter_points_fields
    use coulter_base_kinds, only: wp
    use coulter_base_tensor, only: log_strain_plane
-   use coulter_points, only: n_plane_gradient
+   use coulter_points, only: n_plane_gradient, points_type
    implicit none(type, external)
    private
-   public :: cauchy_stress, elastic_strain, full_gradient, space_vector, n_symmetric, n_tensor
+   public :: cauchy_stress, stress_ratio, elastic_strain, full_gradient, space_vector, n_symmetric, n_tensor
 
    !> Components of a symmetric tensor in space: xx, yy, zz, xy, yz, xz.
    integer, parameter :: n_symmetric = 6
@@ -29,6 +29,17 @@ contains
          stress(:4, i) = kirchhoff_stress(:, i)/volume_ratio(i)
       end do
    end function cauchy_stress
+
+   !> Volume ratio that turns Kirchhoff into Cauchy stress: the one that the law has seen, shape
+   !> (n_points).
+   pure function stress_ratio(points) result(ratio)
+      !> Points.
+      type(points_type), intent(in) :: points
+      real(wp), allocatable :: ratio(:)
+
+      ratio = points%volume_ratio
+      if (allocated(points%shared_ratio)) ratio = points%shared_ratio*ratio
+   end function stress_ratio
 
    !> Logarithmic elastic strain 1/2 ln(b_e) with tensor (not engineering) shear components,
    !> shape (6, n_points).

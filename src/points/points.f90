@@ -36,6 +36,9 @@ module coulter_points
       real(wp), allocatable :: reference_volume(:)
       !> Volume ratio J, determinant of the total deformation gradient, shape (n_points).
       real(wp), allocatable :: volume_ratio(:)
+      !> Volume ratio that the law has seen over J, where points share their volume changes, shape
+      !> (n_points); else unallocated.
+      real(wp), allocatable :: shared_ratio(:)
       !> Edges of the box around the undeformed domain, length units, shape (n_dim, n_points).
       real(wp), allocatable :: domain_size(:, :)
       !> Number of the body that owns the point, shape (n_points).

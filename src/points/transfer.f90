@@ -77,7 +77,7 @@ contains
    end subroutine restore_area
 
    !> Points for new tiles with what the points of the old ones carry: logarithmic elastic strain,
-   !> law state, displacement and 1/J averaged over the shared areas. Their reference volumes add up
+   !> law state, displacement, shared ratio and 1/J averaged over the shared areas. Their reference volumes add up
    !> to what they were; the rotation in the deformation gradient is lost.
    pure subroutine transfer_points(points, tiling, owner, old_points, old_tiling, spacing)
       !> Points to make; their stress is left for the laws to find.
@@ -100,6 +100,7 @@ contains
 
       call allocate_points(points, size(owner), old_points%n_state)
       points%body = owner
+      if (allocated(old_points%shared_ratio)) allocate (points%shared_ratio(size(owner)))
       allocate (strain(4, old_points%n_points))
       do p = 1, old_points%n_points
          call log_strain_plane(old_points%converged%elastic_finger(:, p), strain(:, p))
@@ -133,6 +134,9 @@ contains
       points%converged%law_state(:, p) = matmul(old%converged%law_state(:, found), share)
       points%displacement(:, p) = matmul(old%displacement(:, found), share)
       points%volume_ratio(p) = ratio
+      if (allocated(old%shared_ratio)) then
+         points%shared_ratio(p) = dot_product(share, old%shared_ratio(found))
+      end if
       points%reference_volume(p) = area/ratio
    end subroutine average
 

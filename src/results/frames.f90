@@ -9,7 +9,7 @@ module coulter_results_frames
    use coulter_model, only: model_type
    use coulter_model_output, only: output_type
    use coulter_points_fields, only: cauchy_stress, elastic_strain, full_gradient, n_symmetric, &
-      n_tensor, space_vector
+      n_tensor, space_vector, stress_ratio
    use coulter_points_tiling, only: tile_outlines
    use coulter_results_hdf5_io, only: hdf5_file_type, kind_integer, kind_real, kind_single
    implicit none(type, external)
@@ -224,7 +224,7 @@ contains
          call file%put_reals(point_data//"displacement", row, 3*n, &
                              space_vector(points%displacement))
          call file%put_reals(point_data//"stress", row, n_symmetric*n, &
-                             cauchy_stress(state%kirchhoff_stress, points%volume_ratio))
+                             cauchy_stress(state%kirchhoff_stress, stress_ratio(points)))
          call file%put_reals(point_data//"strain", row, n_symmetric*n, &
                              elastic_strain(state%elastic_finger))
          call file%put_reals(point_data//"deformation_gradient", row, n_tensor*n, &

@@ -12,8 +12,7 @@ module coulter_step_accept
    use coulter_points_tiling, only: tile_centroid
    use coulter_step_hourglass, only: remember_hourglass
    use coulter_step_patch_assembly, only: displacement_gradient, unit_gradient
-   use coulter_step_patches, only: functions_in_patch, most_patch_nodes, patch_functions_type, &
-      patches_type
+   use coulter_step_patches, only: functions_in_patch, most_patch_nodes, patch_functions_type
    use coulter_step_point_kernel, only: deform_point
    use coulter_step_system, only: system_type
    implicit none(type, external)
@@ -61,6 +60,9 @@ contains
          model%tiling%position = model%tiling%position + system%map%increment
       end if
       call swap_states(model%points%converged, model%points%trial)
+      if (allocated(system%volume_scale)) then
+         model%points%shared_ratio = model%points%shared_ratio*system%volume_scale
+      end if
       call measure_volumes(model)
       call move_boundaries(model, system)
       model%time = system%end_time
@@ -174,8 +176,8 @@ contains
          if (has_failed) return
          visit = system%visit(p)
          visit%deformation = deformation
-         if (allocated(system%patches)) then
-            call share_volume_change(system%patches, p, finger, visit%deformation)
+         if (allocated(system%volume_scale)) then
+            call share_volume_change(system%volume_scale(p), finger, visit%deformation)
          end if
          call log_strain_plane(finger, strain)
          call item%law%update(visit, strain, old%law_state(:item%law%n_state, p), &
@@ -215,15 +217,13 @@ contains
       answer = any(abs(strain) > least_flow) .and. norm2(change) < soft_share*norm2(expected)
    end function is_soft
 
-   !> Let a point see the mean volume change of its patch, where patches share it.
-   pure subroutine share_volume_change(patches, p, finger, deformation)
-      type(patches_type), intent(in) :: patches
-      integer, intent(in) :: p
+   !> Let a point see the mean volume change of its patch.
+   pure subroutine share_volume_change(scale, finger, deformation)
+      real(wp), intent(in) :: scale
       real(wp), intent(inout) :: finger(4), deformation(2, 2)
 
-      if (.not. allocated(patches%volume_scale)) return
-      finger([1, 2, 4]) = patches%volume_scale(p)*finger([1, 2, 4])
-      deformation = sqrt(patches%volume_scale(p))*deformation
+      finger([1, 2, 4]) = scale*finger([1, 2, 4])
+      deformation = sqrt(scale)*deformation
    end subroutine share_volume_change
 
    !> Exchange two states without copying.

@@ -19,6 +19,7 @@ module coulter_step_contact_forces
    use coulter_step_point_kernel, only: point_response_type
    use coulter_step_system, only: system_type
    use coulter_step_tile_map, only: spread_to_nodes
+   use coulter_step_tile_patches, only: add_by_mean, add_mean_slopes, stress_by_mean
    use coulter_step_tile_scatter, only: add_at_corners, respond_tile, scatter_tile
    implicit none(type, external)
    private
@@ -42,7 +43,10 @@ contains
       !> Forces on the corners, shape (2, n_corners).
       real(wp), intent(inout) :: at_corners(:, :)
       type(point_response_type) :: response
-      real(wp) :: force(2, 4), stiffness(2, 4, 2, 4), own_force(2, 4), own_stiffness(2, 4, 2, 4)
+      real(wp) :: force(2, 4), own_force(2, 4)
+      ! where tiles share volume changes, derivatives by these follow those by the vertices
+      real(wp), dimension(2, 4, 2, merge(5, 4, allocated(system%tile_patches))) :: stiffness, &
+         own_stiffness
       integer :: k, j, tile
       logical :: has_failed
 
@@ -63,7 +67,11 @@ contains
                force = force + own_force
                stiffness = stiffness + own_stiffness
                call add_station(system%border, contact%boundary, model%tiling%corner(:, tile), &
-                                own_force, own_stiffness)
+                                own_force, own_stiffness(:, :, :, :4))
+               if (allocated(system%tile_patches)) then
+                  call add_patch_rows(system, contact%boundary, model%tiling%patch(tile), &
+                                      own_stiffness(:, :, :, 5))
+               end if
                associate (total => system%boundary_reaction(:, contact%boundary), &
                           length => system%loaded_length(contact%boundary))
                   total = total - sum(own_force, dim=2)
@@ -75,7 +83,10 @@ contains
             if (system%contacts%item(k + 1)%tile == tile) cycle
          end if
          call add_at_corners(model%tiling%corner(:, tile), force, at_corners)
-         call scatter_tile(system, tile, stiffness)
+         call scatter_tile(system, tile, stiffness(:, :, :, :4))
+         if (allocated(system%tile_patches)) then
+            call add_by_mean(system%tile_patches, tile, stiffness(:, :, :, 5))
+         end if
       end do
       do j = 1, system%border%n
          call spread_to_nodes(system%map, system%border%corner_column(:, :, j), &
@@ -85,16 +96,33 @@ contains
       end do
    end subroutine add_contacts
 
+   !> The balance of a free tool depends on all corners of the patches that its stations touch.
+   pure subroutine add_patch_rows(system, boundary, patch, by_mean)
+      type(system_type), intent(inout) :: system
+      integer, intent(in) :: boundary, patch
+      !> Derivatives of the force of a station by mean volume change and pressure.
+      real(wp), intent(in) :: by_mean(2, 4, 2)
+      integer :: j
+
+      do j = 1, system%border%n
+         if (system%border%boundary(j) /= boundary) cycle
+         call add_mean_slopes(system%tile_patches, patch, &
+                              sum(by_mean(system%border%direction(j), :, :), dim=1), &
+                              system%border%corner_row(:, :, j))
+      end do
+   end subroutine add_patch_rows
+
    !> One station, if it acts: what presses against the face and, unless that is smooth, rubs along.
    subroutine add_contact(system, model, contact, response, force, stiffness)
       type(system_type), intent(in) :: system
       type(model_type), intent(in) :: model
       type(contact_type), intent(inout) :: contact
       type(point_response_type), intent(in) :: response
-      real(wp), intent(inout) :: force(2, 4), stiffness(2, 4, 2, 4)
+      real(wp), intent(inout) :: force(2, 4), stiffness(:, :, :, :)
       type(edge_place_type) :: place
       type(rub_type) :: answer
-      real(wp) :: penalty(2), material(2), by_vertices(2, 2, 4), moved(2, 2), lag(2), by_gap(2, 2)
+      real(wp) :: penalty(2), material(2), moved(2, 2), lag(2), by_gap(2, 2)
+      real(wp) :: by_vertices(2, 2, size(stiffness, 4))
 
       moved = motion_of(system, contact)
       if (contact%tip > 0) then
@@ -217,8 +245,8 @@ contains
       type(contact_type), intent(in) :: contact
       type(edge_place_type), intent(in) :: place
       type(rub_type), intent(in) :: answer
-      real(wp), intent(in) :: by_gap(2, 2), by_angle(2), by_vertices(2, 2, 4)
-      real(wp), intent(inout) :: force(2, 4), stiffness(2, 4, 2, 4)
+      real(wp), intent(in) :: by_gap(2, 2), by_angle(2), by_vertices(:, :, :)
+      real(wp), intent(inout) :: force(2, 4), stiffness(:, :, :, :)
       real(wp), parameter :: sign_of(2) = [-1.0_wp, 1.0_wp]
       real(wp) :: share(2), foot(2), held(2), slope(2, 2), block(2, 2)
       integer :: v(2), r, c
@@ -240,7 +268,7 @@ contains
             block = share(r)*block + sign_of(r)*outer(answer%vector, slope(:, c))
             stiffness(:, v(r), :, v(c)) = stiffness(:, v(r), :, v(c)) + contact%weight*block
          end do
-         do c = 1, 4
+         do c = 1, size(by_vertices, 3)
             stiffness(:, v(r), :, c) = stiffness(:, v(r), :, c) &
                + contact%weight*share(r)*matmul(answer%by_stress, by_vertices(:, :, c))
          end do
@@ -270,21 +298,22 @@ contains
    pure subroutine add_answer(contact, answer, by_vertices, force, stiffness)
       type(contact_type), intent(in) :: contact
       type(rub_type), intent(in) :: answer
-      real(wp), intent(in) :: by_vertices(2, 2, 4)
-      real(wp), intent(inout) :: force(2, 4), stiffness(2, 4, 2, 4)
+      real(wp), intent(in) :: by_vertices(:, :, :)
+      real(wp), intent(inout) :: force(2, 4), stiffness(:, :, :, :)
       integer :: b
 
       associate (v => contact%vertex, w => contact%weight)
          force(:, v) = force(:, v) + w*answer%vector
          stiffness(:, v, :, v) = stiffness(:, v, :, v) + w*answer%by_place
-         do b = 1, 4
+         do b = 1, size(by_vertices, 3)
             stiffness(:, v, :, b) = stiffness(:, v, :, b) &
                + w*matmul(answer%by_stress, by_vertices(:, :, b))
          end do
       end associate
    end subroutine add_answer
 
-   !> Traction of the material on the face and its derivative by the vertices of the tile: nominal
+   !> Traction of the material on the face and its derivative by the vertices of the tile, and by
+   !> mean volume change and pressure of its patch where volume changes are shared: nominal
    !> with Nitsche, P times the inward vector with P = tau dF^-T V0/A; else what earlier rounds
    !> left.
    pure subroutine find_material_traction(system, model, contact, response, material, by_vertices)
@@ -292,7 +321,7 @@ contains
       type(model_type), intent(in) :: model
       type(contact_type), intent(in) :: contact
       type(point_response_type), intent(in) :: response
-      real(wp), intent(out) :: material(2), by_vertices(2, 2, 4)
+      real(wp), intent(out) :: material(2), by_vertices(:, :, :)
       real(wp) :: pulled(2), slope(2, 2)
       integer :: i, k, l
 
@@ -310,8 +339,10 @@ contains
                slope(k, l) = dot_product(response%moduli(i, :, k, l), pulled)
             end do
          end do
-         by_vertices(i, :, :) = matmul(slope, response%gradient)
+         by_vertices(i, :, :4) = matmul(slope, response%gradient)
       end do
+      if (size(by_vertices, 3) == 4) return
+      by_vertices(:, :, 5) = stress_by_mean(system%tile_patches, contact%tile, pulled)
    end subroutine find_material_traction
 
    !> Penalty stiffness along normal and tangent, stress per length: that of the paper's band.

@@ -13,6 +13,7 @@
 module coulter_step_patch_assembly
    use coulter_base_kinds, only: wp
    use coulter_model, only: model_type
+   use coulter_step_mean_volume, only: average_moduli, unit
    use coulter_step_patches, only: functions_in_patch, most_patch_nodes, patch_functions_type, &
       scatter_patch
    use coulter_step_point_kernel, only: point_response_type, respond
@@ -36,9 +37,6 @@ module coulter_step_patch_assembly
       real(wp) :: slope(2, 4) = 0.0_wp
       type(point_response_type) :: response
    end type part_type
-
-   !> Second-order unit tensor as a column.
-   real(wp), parameter :: unit(4) = [1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp]
 
 contains
 
@@ -100,8 +98,8 @@ contains
       if (failed_point > 0) return
       force = 0.0_wp
       stiffness = 0.0_wp
-      if (allocated(system%patches%volume_scale)) then
-         system%patches%volume_scale(part%point) = part%scale
+      if (allocated(system%volume_scale)) then
+         system%volume_scale(part%point) = part%scale
          call share_pressure(part, n, stiffness)
       end if
       do k = 1, size(part)
@@ -140,7 +138,7 @@ contains
          end associate
       end do
       failed_point = 0
-      if (.not. allocated(system%patches%volume_scale)) return
+      if (.not. allocated(system%volume_scale)) return
       k = minloc(after/before, dim=1)
       if (.not. after(k) > 0.0_wp) then
          failed_point = part(k)%point
@@ -212,40 +210,6 @@ contains
          end do
       end do
    end subroutine share_pressure
-
-   !> Stress dev tau + p I and its moduli; what is left of the moduli c acts on the mean volume
-   !> change: column = dev c : I/2, row = I/2 : c dev and bulk = I : c : I/4.
-   pure subroutine average_moduli(response, pressure, column, row, bulk)
-      type(point_response_type), intent(inout) :: response
-      real(wp), intent(in) :: pressure
-      real(wp), intent(out) :: column(4), row(4), bulk
-      real(wp) :: moduli(4, 4), geometric(4, 4)
-
-      moduli = reshape(response%moduli, [4, 4]) + stress_moduli(response%stress)
-      column = 0.5_wp*(moduli(:, 1) + moduli(:, 4))
-      row = 0.5_wp*(moduli(1, :) + moduli(4, :))
-      bulk = 0.5_wp*(row(1) + row(4))
-      response%stress(:2) = response%stress(:2) &
-         + pressure - 0.5_wp*sum(response%stress(:2))
-      geometric = stress_moduli(response%stress)
-      moduli = moduli - geometric - spread(unit, 2, 4)*spread(row, 1, 4) &
-         + spread(unit, 1, 4)*spread((bulk + pressure)*unit - column, 2, 4)
-      response%moduli = reshape(moduli, [2, 2, 2, 2])
-      column = column - bulk*unit
-      row = row - bulk*unit
-   end subroutine average_moduli
-
-   !> tau_il delta_jk, shape (ij, kl).
-   pure function stress_moduli(stress) result(moduli)
-      real(wp), intent(in) :: stress(4)
-      real(wp) :: moduli(4, 4)
-
-      moduli = 0.0_wp
-      moduli([1, 2], 1) = stress([1, 4])
-      moduli([3, 4], 2) = stress([1, 4])
-      moduli([1, 2], 3) = stress([4, 2])
-      moduli([3, 4], 4) = stress([4, 2])
-   end function stress_moduli
 
    !> Contract a tensor with the gradients at the end of the step, node by node.
    pure subroutine add_slopes(part, tensor, nodal)

@@ -41,9 +41,6 @@ module coulter_step_patches
       !> Edges of the boxes of all points at the start of the step, length units; only for boxes,
       !> shape (2, n_points).
       real(wp), allocatable :: box(:, :)
-      !> Mean volume change of the patch over that of the point, of the current iteration; only when
-      !> volume changes are shared, shape (n_points).
-      real(wp), allocatable :: volume_scale(:)
       !> Unknowns of all patches.
       type(coupling_type) :: coupling
       !> Does no node of the patch follow others, shape (n)?
@@ -252,9 +249,6 @@ contains
                          + size(patches%coupling%elements%dof), long) &
          + 8_long*int(size(patches%coupling%share), long)
       if (allocated(patches%box)) bytes = bytes + 8_long*int(size(patches%box), long)
-      if (allocated(patches%volume_scale)) then
-         bytes = bytes + 8_long*int(size(patches%volume_scale), long)
-      end if
    end function patches_memory
 
    !> Matrix of the pairs of unknowns of given nodes, columns first.

@@ -54,9 +54,9 @@ contains
       if (allocated(system%patches)) deallocate (system%patches)
       if (model%control%has_mean_volume .or. model%control%domains == domains_boxes) then
          allocate (system%patches)
-         if (model%control%has_mean_volume) then
-            allocate (system%patches%volume_scale(model%points%n_points), source=1.0_wp)
-         end if
+      end if
+      if (model%control%has_mean_volume) then
+         system%volume_scale = spread(1.0_wp, 1, model%points%n_points)
       end if
       if (model%control%domains == domains_boxes) then
          system%patches%box = current_boxes(model%points)

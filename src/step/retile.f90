@@ -14,6 +14,7 @@ module coulter_step_retile
    use coulter_points, only: points_type
    use coulter_points_outline, only: outline_type, trace_outline
    use coulter_points_retiling, only: tile_outline
+   use coulter_points_tile_groups, only: group_tiles
    use coulter_points_tile_quality, only: is_distorted, is_worn
    use coulter_points_tiling, only: corner_gradients, new_tiling, remember_pulls, &
       tiling_type
@@ -116,6 +117,7 @@ contains
       if (has_failed) return
       call transfer_points(points, tiling, owner, model%points, model%tiling, &
                            model%grid%smallest_spacing())
+      if (allocated(model%tiling%patch)) call group_tiles(tiling, points, model%grid, model%bodies)
       if (allocated(model%points%has_flowed)) then
          allocate (points%has_flowed(points%n_points), source=.false.)
          call remember_pulls(tiling)

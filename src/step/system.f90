@@ -16,6 +16,7 @@ module coulter_step_system
    use coulter_step_ghost, only: ghost_type
    use coulter_step_patches, only: patches_memory, patches_type
    use coulter_step_tile_map, only: tile_map_type
+   use coulter_step_tile_patches, only: tile_patches_memory, tile_patches_type
    use coulter_step_unknowns, only: coupling_type
    implicit none(type, external)
    private
@@ -69,6 +70,11 @@ module coulter_step_system
       real(wp), allocatable :: ghost_stiffness(:), ghost_values(:)
       !> Unknowns of all tiles.
       type(coupling_type) :: coupling
+      !> Tiles that share their volume change; only where some do.
+      type(tile_patches_type), allocatable :: tile_patches
+      !> Shared volume change of every point over its own one, of the current iteration, shape
+      !> (n_points); only where volume changes are shared.
+      real(wp), allocatable :: volume_scale(:)
       !> Sparsity pattern of the tangent.
       type(pattern_type) :: pattern
       !> Values of the tangent, shape (n_entries).
@@ -191,6 +197,12 @@ contains
       if (allocated(system%cells%point)) bytes = bytes + 4_long*int(size(system%cells%point), long)
       if (allocated(system%transform)) bytes = bytes + 8_long*int(size(system%transform), long)
       if (allocated(system%patches)) bytes = bytes + patches_memory(system%patches)
+      if (allocated(system%volume_scale)) then
+         bytes = bytes + 8_long*int(size(system%volume_scale), long)
+      end if
+      if (allocated(system%tile_patches)) then
+         bytes = bytes + tile_patches_memory(system%tile_patches)
+      end if
       if (allocated(system%map%area)) then
          bytes = bytes + 8_long*int(10*size(system%map%area) + 8*size(system%map%shape, 2) &
                                     + size(system%coupling%share) + size(system%ghost_values), long)

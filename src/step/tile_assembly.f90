@@ -9,7 +9,9 @@ module coulter_step_tile_assembly
    use coulter_step_point_kernel, only: add_force, add_stiffness, point_response_type
    use coulter_step_system, only: system_type
    use coulter_step_tile_map, only: interpolate, spread_to_nodes
+   use coulter_step_tile_patches, only: scatter_tile_patches
    use coulter_step_tile_scatter, only: add_at_corners, respond_tile, scatter_tile
+   use coulter_step_tile_sharing, only: share_volume_changes
    implicit none(type, external)
    private
    public :: add_tiles
@@ -27,6 +29,10 @@ contains
       real(wp) :: at_corners(2, model%tiling%n_corners)
 
       call interpolate(system%map, system%increment)
+      if (allocated(system%tile_patches)) then
+         call share_volume_changes(system, model, failed_tile)
+         if (failed_tile > 0) return
+      end if
       at_corners = 0.0_wp
       call add_interiors(system, model, at_corners, failed_tile)
       if (failed_tile > 0) return
@@ -37,6 +43,9 @@ contains
       system%loaded_length = 0.0_wp
       call add_contacts(system, model, at_corners)
       call spread_to_nodes(system%map, at_corners, system%boundary)
+      if (.not. (allocated(system%tile_patches) .and. system%needs_tangent)) return
+      call scatter_tile_patches(system%tile_patches, system%pattern, system%elements%n_elements, &
+                                system%values)
    end subroutine add_tiles
 
    !> Internal force and tangent of all tiles.

@@ -13,7 +13,8 @@ module coulter_step_tile_scatter
 
 contains
 
-   !> Stress and moduli of a tile at the current increments.
+   !> Stress and moduli of a tile at the current increments; of one that shares its volume change,
+   !> those that have been found for its patch.
    subroutine respond_tile(system, model, tile, response, has_failed)
       !> System of the step.
       type(system_type), intent(in) :: system
@@ -26,6 +27,13 @@ contains
       !> Is it turned inside out, or did its law fail?
       logical, intent(out) :: has_failed
 
+      if (allocated(system%tile_patches)) then
+         if (model%tiling%patch(tile) > 0) then
+            response = system%tile_patches%response(tile)
+            has_failed = .false.
+            return
+         end if
+      end if
       associate (item => model%laws(model%bodies(model%points%body(tile))%law))
          call respond(item%law, system%visit(tile), system%map%gradient(:, :, tile), &
                       system%map%increment(:, model%tiling%corner(:, tile)), &

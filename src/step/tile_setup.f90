@@ -15,6 +15,7 @@ module coulter_step_tile_setup
    use coulter_step_ghost, only: find_ghost_faces, ghost_matrix, ghost_type
    use coulter_step_system, only: make_room, renew_pattern, system_type
    use coulter_step_tile_map, only: map_tiles, spread_to_nodes
+   use coulter_step_tile_patches, only: build_tile_patches, couple_tile_patches
    use coulter_step_unknowns, only: coupling_type, couple_vertices, new_coupling
    implicit none(type, external)
    private
@@ -35,6 +36,11 @@ contains
 
       call map_tiles(system%map, system%cells, model%tiling, model%grid, first_outside)
       if (first_outside > 0) return
+      if (allocated(model%tiling%patch)) then
+         if (.not. allocated(system%tile_patches)) allocate (system%tile_patches)
+         call build_tile_patches(system%tile_patches, model%tiling)
+         system%volume_scale = spread(1.0_wp, 1, model%points%n_points)
+      end if
       if (.not. allocated(system%held_edges)) then
          call find_held_edges(system%held_edges, model%boundaries, model%tiling, &
                               model%grid%smallest_spacing())
@@ -77,7 +83,13 @@ contains
       call gather_mass(system, model)
       call make_room(system, size(model%boundaries))
       call set_border(system, model)
-      call renew_pattern(system, joined(system%coupling%elements, faces%elements), has_failed)
+      if (allocated(system%tile_patches)) then
+         call couple_tile_patches(system%tile_patches, system%map, system%dofs)
+         call renew_pattern(system, joined(joined(system%coupling%elements, faces%elements), &
+                                           system%tile_patches%coupling%elements), has_failed)
+      else
+         call renew_pattern(system, joined(system%coupling%elements, faces%elements), has_failed)
+      end if
       if (.not. has_failed) call set_ghost_values(system, faces)
    end subroutine number_tile_system
 

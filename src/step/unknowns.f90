@@ -51,7 +51,7 @@ contains
       integer :: e, first, next, v, k, j, dof(2), outer
 
       e = coupling%elements%n_elements + 1
-      call make_room(coupling, coupling%elements%start(e) + 2*max_pairs)
+      call make_room(coupling, coupling%elements%start(e) + 8*size(node))
       first = (coupling%elements%start(e) + 1)/2
       next = first
       do v = 1, size(node, 2)
