@@ -60,7 +60,7 @@ contains
          model%tiling%position = model%tiling%position + system%map%increment
       end if
       call swap_states(model%points%converged, model%points%trial)
-      if (allocated(system%volume_scale)) then
+      if (allocated(model%points%shared_ratio)) then
          model%points%shared_ratio = model%points%shared_ratio*system%volume_scale
       end if
       call measure_volumes(model)
