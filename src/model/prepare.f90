@@ -292,7 +292,7 @@ contains
 
       if (model%control%domains /= domains_tiles .or. .not. model%control%has_mean_volume) return
       if (any(model%bodies%points_per_cell > 1)) return
-      call faults%add("control", 1, "volumetric", "'fbar' has no use for tiled domains with one" &
+      call faults%add("control", 1, "volumetric", "has no use for tiled domains with one" &
                       //" point per cell, which do not lock: give a body points_per_cell = 2 or" &
                       //" more, or take 'standard'")
    end subroutine check_mean_volume

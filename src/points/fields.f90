@@ -6,7 +6,8 @@ module coulter_points_fields
    use coulter_points, only: n_plane_gradient, points_type
    implicit none(type, external)
    private
-   public :: cauchy_stress, stress_ratio, elastic_strain, full_gradient, space_vector, n_symmetric, n_tensor
+   public :: cauchy_stress, stress_ratio, elastic_strain, full_gradient, space_vector, &
+      n_symmetric, n_tensor
 
    !> Components of a symmetric tensor in space: xx, yy, zz, xy, yz, xz.
    integer, parameter :: n_symmetric = 6

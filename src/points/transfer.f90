@@ -77,8 +77,8 @@ contains
    end subroutine restore_area
 
    !> Points for new tiles with what the points of the old ones carry: logarithmic elastic strain,
-   !> law state, displacement, shared ratio and 1/J averaged over the shared areas. Their reference volumes add up
-   !> to what they were; the rotation in the deformation gradient is lost.
+   !> law state, displacement, shared ratio and 1/J averaged over the shared areas. Their reference
+   !> volumes add up to what they were; the rotation in the deformation gradient is lost.
    pure subroutine transfer_points(points, tiling, owner, old_points, old_tiling, spacing)
       !> Points to make; their stress is left for the laws to find.
       type(points_type), intent(out) :: points

@@ -33,8 +33,8 @@ module coulter_step_tile_patches
       real(wp), allocatable :: slope(:, :, :), force(:, :, :)
       !> What the tiles of patches answer to the shared volume change, shape (n_tiles).
       type(point_response_type), allocatable :: response(:)
-      !> How the stress of every tile changes with the mean volume change, components 11, 21, 12, 22,
-      !> stress units, and with the pressure, per volume, shapes (4, n_tiles), (n_tiles).
+      !> How the stress of every tile changes with the mean volume change, components 11, 21, 12,
+      !> 22, stress units, and with the pressure, per volume, shapes (4, n_tiles), (n_tiles).
       real(wp), allocatable :: by_volume(:, :), by_pressure(:)
       !> Unknowns of all patches.
       type(coupling_type) :: coupling
@@ -71,8 +71,10 @@ contains
       end do
       patches%tile_start = patches%tile_start(:patches%n + 1)
       call list_corners(patches, tiling)
-      allocate (patches%slope(2, 2, size(patches%corner)), patches%force(2, 2, size(patches%corner)))
-      allocate (patches%response(n_tiles), patches%by_volume(4, n_tiles), patches%by_pressure(n_tiles))
+      allocate (patches%slope(2, 2, size(patches%corner)))
+      allocate (patches%force, mold=patches%slope)
+      allocate (patches%response(n_tiles))
+      allocate (patches%by_volume(4, n_tiles), patches%by_pressure(n_tiles))
    end subroutine build_tile_patches
 
    !> Distinct corners of every patch.

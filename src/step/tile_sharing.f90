@@ -112,32 +112,30 @@ contains
       integer, intent(in) :: e, tile(:)
       real(wp), intent(in) :: weight(:), pressure_force
       real(wp) :: row(4), bulk, total
-      integer :: first, last, k
+      integer :: first, last, p, k
 
-      first = system%tile_patches%corner_start(e)
-      last = system%tile_patches%corner_start(e + 1) - 1
       associate (patches => system%tile_patches, volume => model%points%reference_volume)
-         associate (slope => patches%slope(:, :, first:last), force => patches%force(:, :, first:last))
-            slope = 0.0_wp
-            force = 0.0_wp
-            total = -pressure_force
-            do k = 1, size(tile)
-               associate (p => tile(k), column => patches%by_volume(:, tile(k)))
-                  patches%by_pressure(p) = weight(k)/volume(p)
-                  call average_moduli(patches%response(p), pressure_force*patches%by_pressure(p), &
-                                      column, row, bulk)
-                  total = total + volume(p)*bulk
-                  call add_slopes(patches%place(:, p) - first + 1, patches%response(p)%gradient, &
-                                  weight(k)*unit, slope(:, 1, :))
-                  call add_slopes(patches%place(:, p) - first + 1, patches%response(p)%gradient, &
-                                  volume(p)*row, slope(:, 2, :))
-                  call add_slopes(patches%place(:, p) - first + 1, patches%response(p)%gradient, &
-                                  volume(p)*column, force(:, 1, :))
-               end associate
-            end do
-            slope(:, 2, :) = slope(:, 2, :) + total*slope(:, 1, :)
-            force(:, 2, :) = slope(:, 1, :)
-         end associate
+         first = patches%corner_start(e)
+         last = patches%corner_start(e + 1) - 1
+         patches%slope(:, :, first:last) = 0.0_wp
+         patches%force(:, :, first:last) = 0.0_wp
+         total = -pressure_force
+         do k = 1, size(tile)
+            p = tile(k)
+            patches%by_pressure(p) = weight(k)/volume(p)
+            call average_moduli(patches%response(p), pressure_force*patches%by_pressure(p), &
+                                patches%by_volume(:, p), row, bulk)
+            total = total + volume(p)*bulk
+            associate (place => patches%place(:, p), gradient => patches%response(p)%gradient)
+               call add_slopes(place, gradient, weight(k)*unit, patches%slope(:, 1, :))
+               call add_slopes(place, gradient, volume(p)*row, patches%slope(:, 2, :))
+               call add_slopes(place, gradient, volume(p)*patches%by_volume(:, p), &
+                               patches%force(:, 1, :))
+            end associate
+         end do
+         patches%slope(:, 2, first:last) = patches%slope(:, 2, first:last) &
+            + total*patches%slope(:, 1, first:last)
+         patches%force(:, 2, first:last) = patches%slope(:, 1, first:last)
       end associate
    end subroutine share_pressure
 
