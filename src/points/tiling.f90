@@ -29,7 +29,7 @@ module coulter_points_tiling
       !> For tiles of laws that flow: hourglass force that is remembered, force per thickness, shape
       !> (2, n_points), and its largest size, shape (n_points); unallocated where all are elastic.
       real(wp), allocatable :: pull(:, :), largest_pull(:)
-      !> Patch of every tile, whose tiles share their volume change; 0 for a tile that does not; shape
+      !> Patch of every tile, whose tiles share their volume change, or 0 for none, shape
       !> (n_points); unallocated where none does.
       integer, allocatable :: patch(:)
       !> Scaled Jacobians of the corners of every undeformed tile, shape (4, n_points).
