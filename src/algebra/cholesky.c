@@ -4,15 +4,21 @@
  * SPDX-License-Identifier: BSD-3-Clause
  */
 #include <cholmod.h>
+#include <math.h>
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* CHOLMOD would permute a matrix and transpose it twice for every factorisation. Here the lower
+ * triangle of the permuted matrix is gathered at once, and the factor believes in natural order. */
 typedef struct {
    cholmod_common common;
-   cholmod_sparse matrix;
+   cholmod_sparse matrix;  /* lower triangle of the symmetric part, permuted */
    cholmod_factor *factor;
-   cholmod_dense *answer, *work[2]; /* kept from solve to solve */
+   int *order;             /* unknown of every permuted one */
+   int *entry[2];          /* entries whose mean is that of the triangle */
+   double *right;          /* permuted right-hand side */
+   double *work;           /* of solves */
 } cholesky;
 
 /* CHOLMOD of SuiteSparse 5 asks for four threads whatever the caller wants; its fronts are too
@@ -28,71 +34,139 @@ void coulter_cholesky_free(cholesky *self)
 {
    if (!self) return;
    cholmod_free_factor(&self->factor, &self->common);
-   cholmod_free_dense(&self->answer, &self->common);
-   cholmod_free_dense(&self->work[0], &self->common);
-   cholmod_free_dense(&self->work[1], &self->common);
    cholmod_finish(&self->common);
    free(self->matrix.p);
    free(self->matrix.i);
+   free(self->matrix.x);
+   free(self->order);
+   free(self->entry[0]);
+   free(self->entry[1]);
+   free(self->right);
+   free(self->work);
    free(self);
 }
 
-/* Analyse a symmetric pattern in compressed columns, zero-based, rows ascending; the values above
- * the diagonal are never read. An elimination order may be given. NULL on failure. */
-cholesky *coulter_cholesky_new(int n, const int *column_start, const int *row, const int *order)
+/* Find order and pattern of the factor. */
+static int analyse(cholesky *self, cholmod_sparse *pattern, int *order)
 {
-   cholesky *self = calloc(1, sizeof *self);
-   if (!self) return NULL;
-   int n_entries = column_start[n], levels = forbid_threads();
+   int levels = forbid_threads();
    cholmod_start(&self->common);
    self->common.print = 0;
    self->common.supernodal = CHOLMOD_SUPERNODAL; /* simplicial LDL' passes over indefiniteness */
    self->common.nmethods = 1;
    self->common.method[0].ordering = order ? CHOLMOD_GIVEN : CHOLMOD_AMD;
    self->common.postorder = 1;
+   self->factor = cholmod_analyze_p(pattern, order, NULL, 0, &self->common);
+   omp_set_max_active_levels(levels);
+   return self->factor != NULL;
+}
+
+/* Room for the permuted triangle and vectors. */
+static int make_room(cholesky *self, size_t n, size_t n_entries)
+{
    self->matrix = (cholmod_sparse){
       .nrow = n, .ncol = n, .nzmax = n_entries, .stype = -1, .itype = CHOLMOD_INT,
-      .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE, .sorted = 1, .packed = 1,
-      .p = malloc((n + 1) * sizeof(int)), .i = malloc((n_entries + 1) * sizeof(int))};
-   if (self->matrix.p && self->matrix.i) {
-      memcpy(self->matrix.p, column_start, (n + 1) * sizeof(int));
-      memcpy(self->matrix.i, row, n_entries * sizeof(int));
-      self->matrix.xtype = CHOLMOD_PATTERN;
-      self->factor = cholmod_analyze_p(&self->matrix, (int *)order, NULL, 0, &self->common);
-      self->matrix.xtype = CHOLMOD_REAL;
+      .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE, .sorted = 0, .packed = 1,
+      .p = calloc(n + 1, sizeof(int)), .i = malloc(n_entries * sizeof(int)),
+      .x = malloc(n_entries * sizeof(double))};
+   self->order = malloc(n * sizeof(int));
+   self->entry[0] = malloc(n_entries * sizeof(int));
+   self->entry[1] = malloc(n_entries * sizeof(int));
+   self->right = malloc(n * sizeof(double));
+   self->work = malloc(n * sizeof(double));
+   return self->matrix.p && self->matrix.i && self->matrix.x && self->order && self->entry[0]
+      && self->entry[1] && self->right && self->work;
+}
+
+/* Lower triangle in the order of the factor, and where its values come from. The factor's work
+ * space holds the inverse order. */
+static void permute(cholesky *self, const int *column_start, const int *row, const int *mirror)
+{
+   int n = (int)self->matrix.ncol, *place = self->common.Iwork;
+   int *start = self->matrix.p, *index = self->matrix.i;
+   memcpy(self->order, self->factor->Perm, n * sizeof(int));
+   for (int k = 0; k < n; k++) place[self->order[k]] = k;
+   for (int j = 0; j < n; j++)
+      for (int k = column_start[j]; k < column_start[j + 1]; k++)
+         if (place[row[k]] >= place[j]) start[place[j] + 1]++;
+   for (int k = 0; k < n; k++) start[k + 1] += start[k];
+   for (int j = 0; j < n; j++) {
+      int next = start[place[j]];
+      for (int k = column_start[j]; k < column_start[j + 1]; k++) {
+         if (place[row[k]] < place[j]) continue;
+         index[next] = place[row[k]];
+         self->entry[0][next] = k;
+         self->entry[1][next++] = mirror[k] - 1;
+      }
    }
-   omp_set_max_active_levels(levels);
-   if (!self->factor) {
+   self->factor->ordering = CHOLMOD_NATURAL;
+}
+
+/* Analyse a symmetric pattern in compressed columns, zero-based, rows ascending, with the mirrored
+ * place of every entry, from 1. An elimination order may be given. NULL on failure. */
+cholesky *coulter_cholesky_new(int n, const int *column_start, const int *row, const int *mirror,
+                               const int *order)
+{
+   cholesky *self = calloc(1, sizeof *self);
+   if (!self) return NULL;
+   size_t n_entries = column_start[n];
+   cholmod_sparse pattern = {
+      .nrow = n, .ncol = n, .nzmax = n_entries, .stype = -1, .itype = CHOLMOD_INT,
+      .xtype = CHOLMOD_PATTERN, .dtype = CHOLMOD_DOUBLE, .sorted = 1, .packed = 1,
+      .p = (int *)column_start, .i = (int *)row};
+   int is_done = analyse(self, &pattern, (int *)order) && make_room(self, n, (n_entries + n + 1) / 2)
+      && cholmod_allocate_work(0, n, 0, &self->common);
+   if (!is_done) {
       coulter_cholesky_free(self);
       return NULL;
    }
+   permute(self, column_start, row, mirror);
+   self->matrix.nzmax = ((int *)self->matrix.p)[n];
    return self;
 }
 
-/* Factorise values of the analysed pattern: 0 done, 1 not positive definite, 2 out of memory. */
-int coulter_cholesky_factorise(cholesky *self, double *values)
+/* Gather the symmetric part of a matrix in permuted order: half the largest difference of mirrored
+ * entries over the largest one. */
+static double gather(cholesky *self, const double *values)
+{
+   double *mean = self->matrix.x, largest = 0, skew = 0;
+   const int *first = self->entry[0], *second = self->entry[1];
+   for (size_t k = 0; k < self->matrix.nzmax; k++) {
+      double a = values[first[k]], b = values[second[k]], size = fabs(a), gap = fabs(a - b);
+      mean[k] = 0.5 * (a + b);
+      if (size > largest) largest = size;
+      if (gap > skew) skew = gap;
+   }
+   return largest > 0 ? 0.5 * skew / largest : 0;
+}
+
+/* Factorise the symmetric part of a matrix of the analysed pattern: 0 done, 1 not positive definite,
+ * 2 out of memory. Its skew part over its largest entry is told. */
+int coulter_cholesky_factorise(cholesky *self, const double *values, double *skewness)
 {
    int levels = forbid_threads();
-   self->matrix.x = values;
+   *skewness = gather(self, values);
    int is_done = cholmod_factorize(&self->matrix, self->factor, &self->common);
-   self->matrix.x = NULL;
    omp_set_max_active_levels(levels);
    if (!is_done || self->common.status < 0) return 2;
    return self->factor->minor < self->factor->n;
 }
 
 /* Solve with the factor: 0 done, 2 out of memory. */
-int coulter_cholesky_solve(cholesky *self, double *b, double *x)
+int coulter_cholesky_solve(cholesky *self, const double *b, double *x)
 {
-   int n = (int)self->matrix.nrow, levels = forbid_threads();
-   cholmod_dense right = {.nrow = n, .ncol = 1, .nzmax = n, .d = n, .x = b,
+   size_t n = self->matrix.nrow;
+   int levels = forbid_threads();
+   cholmod_dense right = {.nrow = n, .ncol = 1, .nzmax = n, .d = n, .x = self->right,
                           .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
-   int is_done = cholmod_solve2(CHOLMOD_A, self->factor, &right, NULL, &self->answer, NULL,
-                                &self->work[0], &self->work[1], &self->common);
+   cholmod_dense work = right;
+   work.x = self->work;
+   for (size_t k = 0; k < n; k++) self->right[k] = b[self->order[k]];
+   int is_done = cholmod_super_lsolve(self->factor, &right, &work, &self->common)
+      && cholmod_super_ltsolve(self->factor, &right, &work, &self->common);
+   for (size_t k = 0; k < n; k++) x[self->order[k]] = self->right[k];
    omp_set_max_active_levels(levels);
-   if (!is_done) return 2;
-   memcpy(x, self->answer->x, n * sizeof(double));
-   return 0;
+   return is_done ? 0 : 2;
 }
 
 /* Smallest over largest pivot of the factor. */

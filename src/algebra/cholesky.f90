@@ -9,23 +9,25 @@ module coulter_algebra_cholesky
 
    interface
       !> Analyse a symmetric pattern; a null pointer on failure.
-      function cholesky_new(n, column_start, row, order) result(handle) &
+      function cholesky_new(n, column_start, row, mirror, order) result(handle) &
          bind(C, name="coulter_cholesky_new")
          import :: c_int, c_ptr
          implicit none(type, external)
          integer(c_int), value :: n
-         integer(c_int), intent(in) :: column_start(*), row(*)
+         integer(c_int), intent(in) :: column_start(*), row(*), mirror(*)
          integer(c_int), intent(in), optional :: order(*)
          type(c_ptr) :: handle
       end function cholesky_new
 
-      !> Factorise values: 0 done, 1 not positive definite, 2 out of memory.
-      function cholesky_factorise(handle, values) result(status) &
+      !> Factorise the symmetric part of values: 0 done, 1 not positive definite, 2 out of memory.
+      !> The largest entry of their skew part over their largest is told.
+      function cholesky_factorise(handle, values, skewness) result(status) &
          bind(C, name="coulter_cholesky_factorise")
          import :: c_double, c_int, c_ptr
          implicit none(type, external)
          type(c_ptr), value :: handle
          real(c_double), intent(in) :: values(*)
+         real(c_double), intent(out) :: skewness
          integer(c_int) :: status
       end function cholesky_factorise
 

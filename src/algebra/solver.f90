@@ -37,8 +37,7 @@ module coulter_algebra_solver
       logical, private :: is_current = .false., is_worn = .true.
       !> Iterations that cost as much as a factorisation.
       integer, private :: worth = 0
-      integer, allocatable, private :: order(:), mirror(:)
-      real(wp), allocatable, private :: symmetric_values(:)
+      integer, allocatable, private :: order(:)
    contains
       procedure :: analyse
       procedure :: factorise
@@ -92,14 +91,13 @@ contains
       !> Is the matrix singular or did memory run out? Then `solve` must not be called.
       logical, intent(out) :: has_failed
       integer(c_int) :: status
+      real(wp) :: skewness
 
       self%is_lu_factorised = .false.
       status = 1
       if (c_associated(self%cholesky)) then
-         self%symmetric_values = 0.5_wp*(values + values(self%mirror))
-         self%is_symmetric = maxval(abs(values - self%symmetric_values)) &
-            <= symmetry_tolerance*maxval(abs(values))
-         status = cholesky_factorise(self%cholesky, self%symmetric_values)
+         status = cholesky_factorise(self%cholesky, values, skewness)
+         self%is_symmetric = skewness <= symmetry_tolerance
          self%factor_memory = cholesky_bytes(self%cholesky)
          if (status == 0) self%pivot_ratio = cholesky_pivot_ratio(self%cholesky)
       end if
@@ -197,14 +195,16 @@ contains
    subroutine analyse_cholesky(self, pattern)
       type(solver_type), intent(inout) :: self
       type(pattern_type), intent(in) :: pattern
+      integer, allocatable :: mirror(:)
 
       if (pattern%n == 0) return
-      call find_mirror(pattern, self%mirror)
-      if (size(self%mirror) == 0) return
+      call find_mirror(pattern, mirror)
+      if (size(mirror) == 0) return
       if (size(self%order) == pattern%n) then
-         self%cholesky = cholesky_new(pattern%n, pattern%column_start, pattern%row, self%order)
+         self%cholesky = cholesky_new(pattern%n, pattern%column_start, pattern%row, mirror, &
+                                      self%order)
       else
-         self%cholesky = cholesky_new(pattern%n, pattern%column_start, pattern%row)
+         self%cholesky = cholesky_new(pattern%n, pattern%column_start, pattern%row, mirror)
       end if
       if (c_associated(self%cholesky)) then
          self%worth = max(4, nint(cholesky_intensity(self%cholesky)/operations_per_entry))
