@@ -2,6 +2,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_algebra_sparse
    use, intrinsic :: iso_c_binding, only: c_int
+   use coulter_algebra_pairs, only: find_pairs
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
@@ -30,9 +31,11 @@ module coulter_algebra_sparse
       integer(c_int), allocatable :: row(:)
       !> Has the column the same rows as the one before, which has no such twin itself, shape (n)?
       logical, allocatable :: is_twin(:)
-      !> First value of every element in `slot`, shape (n_elements + 1).
+      !> First slot of every element, shape (n_elements + 1).
       integer, allocatable :: slot_start(:)
-      !> Entry (from 1) of every value of the element matrices, columns first; 0: left out.
+      !> Entry (from 1) of every value of the element matrices, columns first; 0: left out. Elements
+      !> whose unknowns go in pairs have a slot for every second row of every second column: the
+      !> values of the other rows follow it, those of the other columns are a column farther on.
       integer, allocatable :: slot(:)
    end type pattern_type
 
@@ -47,17 +50,20 @@ contains
       !> Unknowns of every element.
       type(element_dofs_type), intent(in) :: elements
       integer, allocatable :: user_start(:), user(:), owner(:), place(:), rows(:)
+      logical :: is_first(n), is_paired(elements%n_elements)
       integer :: column, n_rows, i
 
       call transpose_elements(elements, n, user_start, user, owner)
-      call allocate_slots(pattern, elements)
+      call find_pairs(n, elements%start(:elements%n_elements + 1), elements%dof, is_first, &
+                      is_paired)
+      call allocate_slots(pattern, elements, is_paired)
       pattern%n = n
       allocate (pattern%column_start(n + 1), pattern%is_twin(n), place(n), rows(n))
-      allocate (pattern%row(size(pattern%slot)))
+      allocate (pattern%row(count_values(elements)))
       place = 0
       pattern%column_start(1) = 0
       do column = 1, n
-         call collect_rows(column)
+         if (.not. is_second(column)) call collect_rows(column)
          do i = 1, n_rows
             pattern%row(pattern%n_entries + i) = rows(i) - 1
             place(rows(i)) = pattern%n_entries + i
@@ -72,10 +78,20 @@ contains
 
    contains
 
-      !> Sorted unknowns that share an element with the column.
+      !> Is the unknown the second of a pair? Its column has the rows of the first.
+      pure function is_second(dof) result(answer)
+         integer, intent(in) :: dof
+         logical :: answer
+
+         answer = .false.
+         if (dof > 1) answer = is_first(dof - 1)
+      end function is_second
+
+      !> Sorted unknowns that share an element with the column: the first of every pair, and then
+      !> all.
       subroutine collect_rows(column)
          integer, intent(in) :: column
-         integer :: u, e, k, dof
+         integer :: u, e, k, dof, n_pairs
 
          n_rows = 0
          do u = user_start(column), user_start(column + 1) - 1
@@ -83,13 +99,23 @@ contains
             do k = elements%start(e), elements%start(e + 1) - 1
                dof = elements%dof(k)
                if (dof == 0) cycle
-               if (place(dof) /= 0) cycle
+               if (place(dof) /= 0 .or. is_second(dof)) cycle
                place(dof) = 1
                n_rows = n_rows + 1
                rows(n_rows) = dof
             end do
          end do
          call sort_ascending(rows(:n_rows))
+         n_pairs = count(is_first(rows(:n_rows)))
+         k = n_rows + n_pairs
+         do u = n_rows, 1, -1
+            dof = rows(u)
+            if (is_first(dof)) rows(k) = dof + 1
+            if (is_first(dof)) k = k - 1
+            rows(k) = dof
+            k = k - 1
+         end do
+         n_rows = n_rows + n_pairs
       end subroutine collect_rows
 
       !> Compare with the column before.
@@ -107,14 +133,16 @@ contains
       !> Note where the values of all elements in this column go.
       subroutine fill_slots(column)
          integer, intent(in) :: column
-         integer :: u, e, first, m, next, k
+         integer :: u, e, first, last, each, next, k
 
          do u = user_start(column), user_start(column + 1) - 1
             e = owner(user(u))
+            if (is_paired(e) .and. is_second(column)) cycle
+            each = merge(2, 1, is_paired(e))
             first = elements%start(e)
-            m = elements%start(e + 1) - first
-            next = pattern%slot_start(e) + (user(u) - first)*m
-            do k = first, first + m - 1
+            last = elements%start(e + 1) - 1
+            next = pattern%slot_start(e) + (user(u) - first)/each*((last - first + 1)/each)
+            do k = first, last, each
                if (elements%dof(k) > 0) pattern%slot(next) = place(elements%dof(k))
                next = next + 1
             end do
@@ -146,14 +174,47 @@ contains
       real(wp), intent(in) :: matrix(:)
       !> Values of the sparse matrix, shape (n_entries).
       real(wp), intent(inout) :: values(:)
-      integer :: first, k, entry
+      integer :: first, n_slots, k, entry
 
-      first = pattern%slot_start(element) - 1
+      first = pattern%slot_start(element)
+      n_slots = pattern%slot_start(element + 1) - first
+      if (n_slots < size(matrix)) then
+         call add_pairs(pattern, nint(sqrt(real(n_slots, wp))), &
+                        pattern%slot(first:first + n_slots - 1), matrix, values)
+         return
+      end if
       do k = 1, size(matrix)
-         entry = pattern%slot(first + k)
+         entry = pattern%slot(first - 1 + k)
          if (entry > 0) values(entry) = values(entry) + matrix(k)
       end do
    end subroutine add_element_matrix
+
+   !> Add the matrix of an element of pairs.
+   pure subroutine add_pairs(pattern, n, slot, matrix, values)
+      type(pattern_type), intent(in) :: pattern
+      !> Number of pairs.
+      integer, intent(in) :: n
+      !> Their slots.
+      integer, intent(in) :: slot(n, n)
+      !> Rows first.
+      real(wp), intent(in) :: matrix(2, n, 2, n)
+      real(wp), intent(inout) :: values(:)
+      integer :: a, b, entry, column, beside
+
+      do b = 1, n
+         if (slot(b, b) == 0) cycle
+         column = pattern%row(slot(b, b)) + 1
+         beside = pattern%column_start(column + 1) - pattern%column_start(column)
+         do a = 1, n
+            entry = slot(a, b)
+            if (entry == 0) cycle
+            values(entry) = values(entry) + matrix(1, a, 1, b)
+            values(entry + 1) = values(entry + 1) + matrix(2, a, 1, b)
+            values(entry + beside) = values(entry + beside) + matrix(1, a, 2, b)
+            values(entry + beside + 1) = values(entry + beside + 1) + matrix(2, a, 2, b)
+         end do
+      end do
+   end subroutine add_pairs
 
    !> Entry at the mirrored place of every entry; empty if the pattern is not symmetric.
    pure subroutine find_mirror(pattern, mirror)
@@ -242,19 +303,33 @@ contains
    end subroutine transpose_elements
 
    !> Make room for the scatter map.
-   pure subroutine allocate_slots(pattern, elements)
+   pure subroutine allocate_slots(pattern, elements, is_paired)
       type(pattern_type), intent(inout) :: pattern
       type(element_dofs_type), intent(in) :: elements
-      integer :: e
+      logical, intent(in) :: is_paired(:)
+      integer :: e, m
 
       allocate (pattern%slot_start(elements%n_elements + 1))
       pattern%slot_start(1) = 1
       do e = 1, elements%n_elements
-         pattern%slot_start(e + 1) = pattern%slot_start(e) &
-            + (elements%start(e + 1) - elements%start(e))**2
+         m = elements%start(e + 1) - elements%start(e)
+         if (is_paired(e)) m = m/2
+         pattern%slot_start(e + 1) = pattern%slot_start(e) + m**2
       end do
       allocate (pattern%slot(pattern%slot_start(elements%n_elements + 1) - 1), source=0)
    end subroutine allocate_slots
+
+   !> Number of values of all element matrices.
+   pure function count_values(elements) result(n)
+      type(element_dofs_type), intent(in) :: elements
+      integer :: n
+      integer :: e
+
+      n = 0
+      do e = 1, elements%n_elements
+         n = n + (elements%start(e + 1) - elements%start(e))**2
+      end do
+   end function count_values
 
    !> Insertion sort: the rows of a column are few.
    pure subroutine sort_ascending(numbers)
