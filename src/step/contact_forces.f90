@@ -7,29 +7,24 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_contact_forces
    use coulter_base_kinds, only: wp
-   use coulter_boundary, only: boundary_type, formulation_augmented, formulation_nitsche
-   use coulter_boundary_contact, only: contact_type, end_slack
-   use coulter_boundary_face, only: place_on, place_type, reaches
-   use coulter_boundary_friction, only: friction_of, friction_type, outer, press, rub, &
-      rub_type, shear_capacity
+   use coulter_boundary, only: boundary_type, formulation_nitsche
+   use coulter_boundary_contact, only: contact_type
+   use coulter_boundary_face, only: place_on, place_type
+   use coulter_boundary_friction, only: friction_of, friction_type, press, rub, rub_type
    use coulter_boundary_ibm, only: band_stiffness_factor
    use coulter_boundary_tip, only: edge_place_type, place_on_edge
    use coulter_model, only: model_type, point_moduli
    use coulter_step_border, only: add_station, clear_border
+   use coulter_step_contact_state, only: decide, motion_of
    use coulter_step_point_kernel, only: point_response_type
    use coulter_step_system, only: system_type
    use coulter_step_tile_map, only: spread_to_nodes
    use coulter_step_tile_patches, only: add_by_mean, add_mean_slopes, stress_by_mean
    use coulter_step_tile_scatter, only: add_at_corners, respond_tile, scatter_tile
+   use coulter_step_tip_forces, only: add_tip, turn_slope
    implicit none(type, external)
    private
-   public :: add_contacts, augment_contacts, motion_of, land_free_tools
-
-   !> Gaps below this share of the spacing count as closed: round-off of a body that starts on a
-   !> wall.
-   real(wp), parameter :: touching = 1.0e-10_wp
-   !> A tip may slide this far beyond the ends of its edge within a step, over the length of that.
-   real(wp), parameter :: tip_slack = 0.5_wp
+   public :: add_contacts
 
 contains
 
@@ -42,51 +37,20 @@ contains
       type(model_type), intent(in) :: model
       !> Forces on the corners, shape (2, n_corners).
       real(wp), intent(inout) :: at_corners(:, :)
-      type(point_response_type) :: response
-      real(wp) :: force(2, 4), own_force(2, 4)
-      ! where tiles share volume changes, derivatives by these follow those by the vertices
-      real(wp), dimension(2, 4, 2, merge(5, 4, allocated(system%tile_patches))) :: stiffness, &
-         own_stiffness
-      integer :: k, j, tile
-      logical :: has_failed
+      integer :: first, last, j
 
-      tile = 0
       call clear_border(system%border)
-      do k = 1, system%contacts%n
-         associate (contact => system%contacts%item(k))
-            if (contact%tile /= tile) then
-               tile = contact%tile
-               force = 0.0_wp
-               stiffness = 0.0_wp
-               call respond_tile(system, model, tile, response, has_failed)
-            end if
-            own_force = 0.0_wp
-            own_stiffness = 0.0_wp
-            call add_contact(system, model, contact, response, own_force, own_stiffness)
-            if (contact%is_acting) then
-               force = force + own_force
-               stiffness = stiffness + own_stiffness
-               call add_station(system%border, contact%boundary, model%tiling%corner(:, tile), &
-                                own_force, own_stiffness(:, :, :, :4))
-               if (allocated(system%tile_patches)) then
-                  call add_patch_rows(system, contact%boundary, model%tiling%patch(tile), &
-                                      own_stiffness(:, :, :, 5))
-               end if
-               associate (total => system%boundary_reaction(:, contact%boundary), &
-                          length => system%loaded_length(contact%boundary))
-                  total = total - sum(own_force, dim=2)
-                  length = length + contact%weight
-               end associate
-            end if
+      first = 1
+      do while (first <= system%contacts%n)
+         associate (tile => system%contacts%item(:system%contacts%n)%tile)
+            last = first
+            do while (last < size(tile))
+               if (tile(last + 1) /= tile(first)) exit
+               last = last + 1
+            end do
          end associate
-         if (k < system%contacts%n) then
-            if (system%contacts%item(k + 1)%tile == tile) cycle
-         end if
-         call add_at_corners(model%tiling%corner(:, tile), force, at_corners)
-         call scatter_tile(system, tile, stiffness(:, :, :, :4))
-         if (allocated(system%tile_patches)) then
-            call add_by_mean(system%tile_patches, tile, stiffness(:, :, :, 5))
-         end if
+         call add_contacts_of_tile(system, model, first, last, at_corners)
+         first = last + 1
       end do
       do j = 1, system%border%n
          call spread_to_nodes(system%map, system%border%corner_column(:, :, j), &
@@ -95,6 +59,61 @@ contains
                               system%border%row(:, :, j))
       end do
    end subroutine add_contacts
+
+   !> All stations of one tile.
+   subroutine add_contacts_of_tile(system, model, first, last, at_corners)
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+      !> First and last station.
+      integer, intent(in) :: first, last
+      real(wp), intent(inout) :: at_corners(:, :)
+      type(point_response_type) :: response
+      real(wp) :: force(2, 4), own_force(2, 4)
+      ! where tiles share volume changes, derivatives by these follow those by the vertices
+      real(wp), dimension(2, 4, 2, merge(5, 4, allocated(system%tile_patches))) :: stiffness, &
+         own_stiffness
+      integer :: k, tile
+      logical :: has_failed
+
+      tile = system%contacts%item(first)%tile
+      force = 0.0_wp
+      stiffness = 0.0_wp
+      call respond_tile(system, model, tile, response, has_failed)
+      do k = first, last
+         own_force = 0.0_wp
+         own_stiffness = 0.0_wp
+         call add_contact(system, model, system%contacts%item(k), response, own_force, &
+                          own_stiffness)
+         if (.not. system%contacts%item(k)%is_acting) cycle
+         force = force + own_force
+         stiffness = stiffness + own_stiffness
+         call add_to_boundary(system, model, system%contacts%item(k), own_force, own_stiffness)
+      end do
+      call add_at_corners(model%tiling%corner(:, tile), force, at_corners)
+      call scatter_tile(system, tile, stiffness(:, :, :, :4))
+      if (allocated(system%tile_patches)) then
+         call add_by_mean(system%tile_patches, tile, stiffness(:, :, :, 5))
+      end if
+   end subroutine add_contacts_of_tile
+
+   !> What a station adds to the reaction and the loaded length of its boundary, and to the balance
+   !> of that if it moves freely.
+   subroutine add_to_boundary(system, model, contact, force, stiffness)
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+      type(contact_type), intent(in) :: contact
+      real(wp), intent(in) :: force(2, 4), stiffness(:, :, :, :)
+
+      associate (b => contact%boundary, tile => contact%tile)
+         call add_station(system%border, b, model%tiling%corner(:, tile), force, &
+                          stiffness(:, :, :, :4))
+         if (allocated(system%tile_patches)) then
+            call add_patch_rows(system, b, model%tiling%patch(tile), stiffness(:, :, :, 5))
+         end if
+         system%boundary_reaction(:, b) = system%boundary_reaction(:, b) - sum(force, dim=2)
+         system%loaded_length(b) = system%loaded_length(b) + contact%weight
+      end associate
+   end subroutine add_to_boundary
 
    !> The balance of a free tool depends on all corners of the patches that its stations touch.
    pure subroutine add_patch_rows(system, boundary, patch, by_mean)
@@ -152,128 +171,6 @@ contains
          call add_answer(contact, answer, by_vertices, force, stiffness)
       end if
    end subroutine add_contact
-
-   !> Motion of both ends of an edge against a tool that may move freely.
-   pure function motion_of(system, contact) result(moved)
-      !> System at the present unknowns.
-      type(system_type), intent(in) :: system
-      !> The station.
-      type(contact_type), intent(in) :: contact
-      !> Motion of its corner and of the other end of the edge, length units.
-      real(wp) :: moved(2, 2)
-
-      moved = system%map%increment(:, [contact%corner, contact%other_corner])
-      if (system%border%n == 0) return
-      moved = moved - spread(system%border%motion(:, contact%boundary), 2, 2)
-   end function motion_of
-
-   !> Let the nearest stations of free tools that touch nothing act, as if they had before: they
-   !> must carry the load.
-   pure subroutine land_free_tools(system, has_changed)
-      !> System whose contacts have been evaluated.
-      type(system_type), intent(inout) :: system
-      !> Was there such a tool?
-      logical, intent(out) :: has_changed
-      type(place_type) :: place(system%contacts%n)
-      real(wp) :: moved(2, 2)
-      integer :: j, k
-
-      has_changed = .false.
-      do j = 1, system%border%n
-         associate (contacts => system%contacts%item(:system%contacts%n), &
-                    b => system%border%boundary(j))
-            if (any(contacts%is_acting .and. contacts%boundary == b)) cycle
-            if (.not. any(contacts%boundary == b .and. contacts%tip == 0)) cycle
-            do k = 1, size(contacts)
-               moved = motion_of(system, contacts(k))
-               place(k) = place_on(contacts(k)%face, contacts(k)%offset, moved(:, 1))
-            end do
-            k = minloc(place%gap, dim=1, mask=contacts%boundary == b .and. contacts%tip == 0)
-            system%contacts%item(k)%was_acting = .true.
-            has_changed = .true.
-         end associate
-      end do
-   end subroutine land_free_tools
-
-   !> Does the station act? A prediction keeps what acted in the last step.
-   subroutine decide(system, model, contact, place, overlap)
-      type(system_type), intent(in) :: system
-      type(model_type), intent(in) :: model
-      type(contact_type), intent(inout) :: contact
-      type(edge_place_type), intent(in) :: place
-      real(wp), intent(in) :: overlap
-
-      contact%slip = 0
-      contact%traction = 0.0_wp
-      contact%is_acting = system%is_predicting .and. contact%was_acting
-      if (contact%is_acting) return
-      if (contact%tip > 0) then
-         contact%is_acting = overlap < touching*model%grid%smallest_spacing() &
-            .and. abs(place%share - 0.5_wp) <= 0.5_wp + tip_slack
-      else
-         contact%is_acting = acts(system, contact, place%place_type, overlap, &
-                                  model%grid%smallest_spacing())
-      end if
-   end subroutine decide
-
-   !> Derivative of the traction by the angle of the edge that a tip presses on.
-   pure function turn_slope(boundary, place, answer, material, penalty, lag) result(slope)
-      type(boundary_type), intent(in) :: boundary
-      type(edge_place_type), intent(in) :: place
-      type(rub_type), intent(in) :: answer
-      real(wp), intent(in) :: material(2), penalty(2), lag(2)
-      real(wp) :: slope(2)
-      real(wp) :: across, along, capacity, by_normal
-
-      associate (n => place%normal, t => place%tangent)
-         ! the tip stays where it is: its foot has no component along the edge
-         across = -dot_product(t, material)
-         along = 0.0_wp
-         if (answer%slip /= 0) then
-            call shear_capacity(friction_of(boundary), answer%traction(1), capacity, by_normal)
-            along = real(answer%slip, wp)*by_normal*across
-         else if (answer%sticks) then
-            along = dot_product(n, material + penalty(2)*lag)
-         end if
-         slope = (across + answer%traction(2))*n + (along - answer%traction(1))*t
-      end associate
-   end function turn_slope
-
-   !> Add force and tangent of a tip, which both ends of its edge share. What sticks hangs on the
-   !> place where the tip was, all else on its foot.
-   pure subroutine add_tip(contact, place, answer, by_gap, by_angle, by_vertices, force, stiffness)
-      type(contact_type), intent(in) :: contact
-      type(edge_place_type), intent(in) :: place
-      type(rub_type), intent(in) :: answer
-      real(wp), intent(in) :: by_gap(2, 2), by_angle(2), by_vertices(:, :, :)
-      real(wp), intent(inout) :: force(2, 4), stiffness(:, :, :, :)
-      real(wp), parameter :: sign_of(2) = [-1.0_wp, 1.0_wp]
-      real(wp) :: share(2), foot(2), held(2), slope(2, 2), block(2, 2)
-      integer :: v(2), r, c
-
-      v = [contact%vertex, contact%other_vertex]
-      share(2) = min(max(place%share, 0.0_wp), 1.0_wp)
-      share(1) = 1.0_wp - share(2)
-      slope = place%share_slope
-      if (abs(place%share - share(2)) > 0.0_wp) slope = 0.0_wp
-      ! the gap belongs to the line of the edge, not to a clamped foot
-      foot = [1.0_wp - place%share, place%share]
-      held = foot
-      if (answer%sticks) held = [1.0_wp - contact%share, contact%share]
-      do r = 1, 2
-         force(:, v(r)) = force(:, v(r)) + contact%weight*share(r)*answer%vector
-         do c = 1, 2
-            block = foot(c)*by_gap + held(c)*(answer%by_place - by_gap) &
-               + sign_of(c)/place%length*outer(by_angle, place%normal)
-            block = share(r)*block + sign_of(r)*outer(answer%vector, slope(:, c))
-            stiffness(:, v(r), :, v(c)) = stiffness(:, v(r), :, v(c)) + contact%weight*block
-         end do
-         do c = 1, size(by_vertices, 3)
-            stiffness(:, v(r), :, c) = stiffness(:, v(r), :, c) &
-               + contact%weight*share(r)*matmul(answer%by_stress, by_vertices(:, :, c))
-         end do
-      end do
-   end subroutine add_tip
 
    !> Friction, and where the station will stick from now on.
    subroutine rub_along(system, boundary, contact, place, material, penalty, lag, answer)
@@ -356,49 +253,5 @@ contains
       penalty = band_stiffness_factor*[lame_lambda + 2.0_wp*shear_modulus, shear_modulus] &
          /(model%boundaries(contact%boundary)%band_ratio*model%grid%smallest_spacing())
    end function penalties
-
-   !> End a round of the augmented Lagrangian method: what the penalty carries is remembered, so
-   !> that it can relax.
-   pure subroutine augment_contacts(system, model, has_changed)
-      !> System in equilibrium.
-      type(system_type), intent(inout) :: system
-      !> Scene.
-      type(model_type), intent(in) :: model
-      !> Does any boundary remember?
-      logical, intent(out) :: has_changed
-      integer :: k
-
-      has_changed = .false.
-      do k = 1, system%contacts%n
-         associate (contact => system%contacts%item(k))
-            if (model%boundaries(contact%boundary)%formulation /= formulation_augmented) cycle
-            contact%memory = contact%traction
-            has_changed = .true.
-         end associate
-      end do
-   end subroutine augment_contacts
-
-   !> Does the face act on the corner: held for good, or pressed while it slides along the face?
-   pure function acts(system, contact, place, overlap, spacing) result(answer)
-      type(system_type), intent(in) :: system
-      type(contact_type), intent(in) :: contact
-      !> Place of the corner.
-      type(place_type), intent(in) :: place
-      !> Traction over the penalty, and grid spacing, length units.
-      real(wp), intent(in) :: overlap, spacing
-      logical :: answer
-      type(place_type) :: other
-      real(wp) :: slack, moved(2, 2)
-
-      answer = contact%is_bilateral
-      if (answer .or. .not. overlap < touching*spacing) return
-      slack = end_slack*spacing
-      answer = contact%is_settled .or. (place%distance >= slack &
-                                        .and. place%distance <= contact%face%length - slack)
-      if (answer) return
-      moved = motion_of(system, contact)
-      other = place_on(contact%face, contact%other_offset, moved(:, 2))
-      answer = reaches(contact%face, place%distance, other%distance, slack)
-   end function acts
 
 end module coulter_step_contact_forces

@@ -8,7 +8,7 @@ module coulter_step_contact_report
    use coulter_model, only: model_type
    use coulter_model_contact_report, only: contact_report_type, station_report_type
    use coulter_model_observer, only: step_report_type
-   use coulter_step_contact_forces, only: motion_of
+   use coulter_step_contact_state, only: motion_of
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private

@@ -8,7 +8,7 @@ module coulter_step_newton
    use coulter_model_observer, only: phase_assemble, phase_factorise, phase_solve
    use coulter_step_assembly, only: assemble
    use coulter_step_border, only: set_motion, solve_bordered
-   use coulter_step_contact_forces, only: augment_contacts, land_free_tools
+   use coulter_step_contact_state, only: augment_contacts, land_free_tools
    use coulter_step_dofs, only: expand, reduce
    use coulter_step_system, only: system_type
    implicit none(type, external)

@@ -2,7 +2,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_phases
    use coulter_base_kinds, only: wp
-   use coulter_boundary_contact, only: find_held_edges, held_edge_type
+   use coulter_boundary_held_edge, only: find_held_edges, held_edge_type
    use coulter_model, only: model_type
    use coulter_model_phases, only: activate
    use coulter_step_system, only: system_type

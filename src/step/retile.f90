@@ -4,8 +4,8 @@ module coulter_step_retile
    use coulter_base_kinds, only: wp
    use coulter_base_tensor, only: finger_of_log_strain_plane, log_strain_plane
    use coulter_base_text, only: to_text
-   use coulter_boundary_contact, only: carry_held_edges, held_edge_type
    use coulter_boundary_edge_load, only: carry_loaded_edges, loaded_edge_type
+   use coulter_boundary_held_edge, only: carry_held_edges, held_edge_type
    use coulter_boundary_motion, only: largest_shift
    use coulter_boundary_trimming, only: is_near_face, trim_outline
    use coulter_law, only: law_response_type, law_visit_type, n_plane

@@ -5,8 +5,9 @@ module coulter_step_system
    use coulter_algebra_sparse, only: build_pattern, element_dofs_type, pattern_type
    use coulter_base_kinds, only: long, wp
    use coulter_base_timer, only: stopwatch_type
-   use coulter_boundary_contact, only: contacts_type, held_edge_type
+   use coulter_boundary_contact, only: contacts_type
    use coulter_boundary_edge_load, only: loaded_edge_type
+   use coulter_boundary_held_edge, only: held_edge_type
    use coulter_boundary_stations, only: stations_type
    use coulter_grid_cells, only: cells_type
    use coulter_model_contact_report, only: contact_report_type

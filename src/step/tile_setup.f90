@@ -4,8 +4,10 @@ module coulter_step_tile_setup
    use coulter_algebra_sparse, only: add_element_matrix, joined
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: formulation_augmented
-   use coulter_boundary_contact, only: build_contacts, find_held_edges, recall_contacts
+   use coulter_boundary_contact, only: recall_contacts
+   use coulter_boundary_contact_search, only: build_contacts
    use coulter_boundary_edge_load, only: find_loaded_edges
+   use coulter_boundary_held_edge, only: find_held_edges
    use coulter_boundary_motion, only: motion_type
    use coulter_model, only: boundary_motion, load_factor, model_type, point_moduli
    use coulter_model_control, only: small_cells_aggregate

@@ -1,0 +1,263 @@
+!> The search for contacts: every outer edge of a body against every face and every sharp corner of
+!> a tool that it may meet in the step, with the gap at the end of the step.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_boundary_contact_search
+   use coulter_base_kinds, only: wp
+   use coulter_boundary, only: boundary_type, kind_fixed
+   use coulter_boundary_contact, only: append_contact, contact_type, contacts_type, end_slack, &
+      lag_after
+   use coulter_boundary_face, only: face_type, new_face, place_on, place_type, reaches
+   use coulter_boundary_held_edge, only: held_edge_type
+   use coulter_boundary_motion, only: largest_shift, motion_type, moved_by
+   use coulter_boundary_tip, only: covered_share, find_tips, tip_type
+   use coulter_points_tiling, only: tiling_type
+   implicit none(type, external)
+   private
+   public :: build_contacts
+
+   !> What a boundary does in the step, and how far it looks for edges.
+   type :: approach_type
+      !> Number of the boundary.
+      integer :: number = 0
+      !> How it moves.
+      type(motion_type) :: motion
+      !> Its sharp corners, if it is a tool.
+      type(tip_type), allocatable :: tips(:)
+      !> Edges farther away than `reach` or behind a face by more than `deepest` cannot be met;
+      !> faces reach `slack` beyond their ends, length units.
+      real(wp) :: reach = 0.0_wp, deepest = 0.0_wp, slack = 0.0_wp
+   end type approach_type
+
+   !> Faces this far away may be met within a step, over the spacing.
+   real(wp), parameter :: reach = 4.0_wp
+   !> Edges deeper behind a face than this, over the spacing, and the way that the face has come in
+   !> the step belong to something else.
+   real(wp), parameter :: deepest = 1.0_wp
+
+contains
+
+   !> Stations of a step: every outer edge against every face within reach that it looks at, with
+   !> the faces where they are at the end of the step.
+   pure subroutine build_contacts(contacts, boundaries, motion, tiling, held, spacing)
+      !> Stations to make.
+      type(contacts_type), intent(out) :: contacts
+      !> Boundaries at the start of the step.
+      type(boundary_type), intent(in) :: boundaries(:)
+      !> How every boundary moves in the step, shape (n_boundaries).
+      type(motion_type), intent(in) :: motion(:)
+      !> Tiles at the start of the step.
+      type(tiling_type), intent(in) :: tiling
+      !> What holds every outer edge, shape (n_edges).
+      type(held_edge_type), intent(in) :: held(:)
+      !> Grid spacing.
+      real(wp), intent(in) :: spacing
+      type(approach_type) :: approach(size(boundaries))
+      integer :: e, b, s
+
+      allocate (contacts%item(64))
+      call look_ahead(approach, boundaries, motion, tiling, spacing)
+      do e = 1, size(held)
+         do b = 1, size(boundaries)
+            if (.not. boundaries(b)%is_active) cycle
+            if (boundaries(b)%is_bilateral .neqv. held(e)%boundary == b) cycle
+            if (held(e)%boundary /= 0 .and. held(e)%boundary /= b) cycle
+            do s = 1, size(boundaries(b)%vertices, 2) - 1
+               if (held(e)%boundary == b .and. held(e)%segment /= s) cycle
+               call meet(contacts, boundaries(b), s, approach(b), tiling, e, held(e))
+            end do
+            call press_tips(contacts, boundaries(b), approach(b), tiling, e)
+         end do
+      end do
+   end subroutine build_contacts
+
+   !> What every boundary does in the step.
+   pure subroutine look_ahead(approach, boundaries, motion, tiling, spacing)
+      type(approach_type), intent(inout) :: approach(:)
+      type(boundary_type), intent(in) :: boundaries(:)
+      type(motion_type), intent(in) :: motion(:)
+      type(tiling_type), intent(in) :: tiling
+      real(wp), intent(in) :: spacing
+      real(wp) :: shift(size(boundaries))
+      integer :: b
+
+      do b = 1, size(boundaries)
+         shift(b) = largest_shift(motion(b), boundaries(b)%vertices)
+         approach(b)%number = b
+         approach(b)%motion = motion(b)
+         call find_tips(approach(b)%tips, boundaries(b), tiling, spacing)
+      end do
+      approach%reach = reach*spacing + 2.0_wp*maxval([0.0_wp, shift])
+      approach%deepest = deepest*spacing + shift
+      approach%slack = end_slack*spacing
+   end subroutine look_ahead
+
+   !> Stations at both ends of an edge against one face.
+   pure subroutine meet(contacts, boundary, s, approach, tiling, e, held)
+      type(contacts_type), intent(inout) :: contacts
+      type(boundary_type), intent(in) :: boundary
+      !> Segment of the boundary, and outer edge.
+      integer, intent(in) :: s, e
+      type(approach_type), intent(in) :: approach
+      type(tiling_type), intent(in) :: tiling
+      type(held_edge_type), intent(in) :: held
+      type(contact_type) :: contact
+      real(wp) :: weight(2), ends(2, 2)
+      integer :: k
+
+      ends = tiling%position(:, tiling%outer_edge(:2, e))
+      call new_face(contact%face, moved_by(approach%motion, boundary%vertices(:, s)), &
+                    moved_by(approach%motion, boundary%vertices(:, s + 1)), boundary%bulge(s))
+      call weigh(boundary, s, contact%face, ends, approach%reach, approach%deepest, weight)
+      if (.not. any(weight > 0.0_wp)) return
+      contact%boundary = approach%number
+      contact%segment = s
+      contact%edge = e
+      contact%tile = tiling%outer_edge(3, e)
+      contact%is_bilateral = boundary%is_bilateral
+      contact%is_fixed = boundary%kind == kind_fixed
+      contact%rubs = boundary%has_friction() .and. .not. contact%is_fixed
+      associate (tips => approach%tips)
+         if (.not. boundary%is_bilateral) contact%is_settled = any(tips%faces(1) == s &
+                                                                   .or. tips%faces(2) == s)
+         weight = weight*covered_share(tips, boundary, s, e, ends)
+      end associate
+      do k = 1, 2
+         contact%weight = weight(k)
+         if (.not. weight(k) > 0.0_wp) cycle
+         call settle_end(contact, k, tiling, approach%motion, held)
+         if (contact%is_settled) then
+            if (.not. starts_on(boundary, s, ends(:, [k, 3 - k]), approach%slack)) cycle
+         end if
+         call append_contact(contacts, contact)
+      end do
+   end subroutine meet
+
+   !> Does a face reach the first end of an edge, given by both ends, before the step?
+   pure function starts_on(boundary, s, ends, slack) result(answer)
+      type(boundary_type), intent(in) :: boundary
+      integer, intent(in) :: s
+      real(wp), intent(in) :: ends(2, 2), slack
+      logical :: answer
+      type(face_type) :: face
+      type(place_type) :: place(2)
+      integer :: k
+
+      call new_face(face, boundary%vertices(:, s), boundary%vertices(:, s + 1), boundary%bulge(s))
+      do k = 1, 2
+         place(k) = place_on(face, ends(:, k) - face%first, [0.0_wp, 0.0_wp])
+      end do
+      answer = reaches(face, place(1)%distance, place(2)%distance, slack)
+   end function starts_on
+
+   !> Stations where sharp corners of a tool press on an edge: for half of what their faces cover of
+   !> it.
+   pure subroutine press_tips(contacts, boundary, approach, tiling, e)
+      type(contacts_type), intent(inout) :: contacts
+      type(boundary_type), intent(in) :: boundary
+      type(approach_type), intent(in) :: approach
+      type(tiling_type), intent(in) :: tiling
+      integer, intent(in) :: e
+      type(contact_type) :: contact
+      real(wp) :: ends(2, 2), place(2)
+      integer :: i
+
+      do i = 1, size(approach%tips)
+         associate (tip => approach%tips(i))
+            if (tip%edge /= e) cycle
+            ends = tiling%position(:, tiling%outer_edge(:2, e))
+            contact = contact_type(boundary=approach%number, edge=e, tile=tiling%outer_edge(3, e), &
+                                   tip=tip%vertex, share=tip%share, end_of_edge=1)
+            contact%weight = tip_weight(boundary, approach%tips, tip, ends)
+            if (.not. contact%weight > 0.0_wp) cycle
+            place = moved_by(approach%motion, boundary%vertices(:, tip%vertex))
+            contact%face%first = place
+            contact%rubs = boundary%has_friction()
+            call settle_end(contact, 1, tiling, approach%motion, held_edge_type())
+            contact%inward = [-(ends(2, 2) - ends(2, 1)), ends(1, 2) - ends(1, 1)] &
+               /norm2(ends(:, 2) - ends(:, 1))
+            contact%lag = boundary%vertices(:, tip%vertex) - place
+            call append_contact(contacts, contact)
+         end associate
+      end do
+   end subroutine press_tips
+
+   !> Half of what both faces at a sharp corner cover of an edge that they look at.
+   pure function tip_weight(boundary, tips, tip, ends) result(weight)
+      type(boundary_type), intent(in) :: boundary
+      type(tip_type), intent(in) :: tips(:), tip
+      real(wp), intent(in) :: ends(2, 2)
+      real(wp) :: weight
+      type(face_type) :: face
+      real(wp) :: facing(2)
+      integer :: k
+
+      weight = 0.0_wp
+      do k = 1, 2
+         associate (s => tip%faces(k))
+            call new_face(face, boundary%vertices(:, s), boundary%vertices(:, s + 1), &
+                          boundary%bulge(s))
+            call weigh(boundary, s, face, ends, huge(1.0_wp), huge(1.0_wp), facing)
+            weight = weight + maxval(facing)*covered_share(tips, boundary, s, tip%edge, ends)
+         end associate
+      end do
+   end function tip_weight
+
+   !> What belongs to one end of the edge.
+   pure subroutine settle_end(contact, k, tiling, motion, held)
+      type(contact_type), intent(inout) :: contact
+      integer, intent(in) :: k
+      type(tiling_type), intent(in) :: tiling
+      type(motion_type), intent(in) :: motion
+      type(held_edge_type), intent(in) :: held
+      real(wp) :: along(2)
+
+      contact%end_of_edge = k
+      contact%corner = tiling%outer_edge(k, contact%edge)
+      contact%other_corner = tiling%outer_edge(3 - k, contact%edge)
+      contact%vertex = findloc(tiling%corner(:, contact%tile), contact%corner, dim=1)
+      contact%other_vertex = findloc(tiling%corner(:, contact%tile), contact%other_corner, dim=1)
+      contact%offset = tiling%position(:, contact%corner) - contact%face%first
+      contact%other_offset = tiling%position(:, contact%other_corner) - contact%face%first
+      contact%inward = contact%face%normal
+      contact%lag = 0.0_wp
+      if (contact%is_fixed) then
+         contact%lag = (dot_product(contact%face%tangent, contact%offset) - held%distance(k)) &
+            *contact%face%tangent
+      else if (contact%rubs) then
+         contact%lag = lag_after(motion, tiling%position(:, contact%corner), contact%lag)
+      end if
+      if (.not. (contact%rubs .or. abs(contact%face%radius) > 0.0_wp &
+                 .or. abs(motion%rotation) > 0.0_wp)) return
+      along = real(3 - 2*k, wp)*(contact%other_offset - contact%offset)
+      contact%inward = [-along(2), along(1)]/norm2(along)
+   end subroutine settle_end
+
+   !> Length of a face that both ends of an edge stand for: the half of the edge that faces it, 0
+   !> if they cannot meet within the step.
+   pure subroutine weigh(boundary, s, moved, ends, reach, deepest, weight)
+      type(boundary_type), intent(in) :: boundary
+      integer, intent(in) :: s
+      type(face_type), intent(in) :: moved
+      real(wp), intent(in) :: ends(2, 2), reach, deepest
+      real(wp), intent(out) :: weight(2)
+      type(face_type) :: face
+      type(place_type) :: place(2)
+      real(wp) :: along(2)
+      integer :: k
+
+      along = ends(:, 2) - ends(:, 1)
+      weight = 0.5_wp*norm2(along)
+      if (boundary%is_bilateral) return
+      call new_face(face, boundary%vertices(:, s), boundary%vertices(:, s + 1), boundary%bulge(s))
+      do k = 1, 2
+         place(k) = place_on(face, ends(:, k) - face%first, [0.0_wp, 0.0_wp])
+         weight(k) = 0.5_wp*(place(k)%normal(2)*along(1) - place(k)%normal(1)*along(2))
+         if (weight(k) <= 0.5e-9_wp*norm2(along)) weight(k) = 0.0_wp
+         place(k) = place_on(moved, ends(:, k) - moved%first, [0.0_wp, 0.0_wp])
+      end do
+      if (minval(place%gap) > reach .or. maxval(place%gap) < -deepest &
+          .or. maxval(place%distance) < -reach &
+          .or. minval(place%distance) > moved%length + reach) weight = 0.0_wp
+   end subroutine weigh
+
+end module coulter_boundary_contact_search
