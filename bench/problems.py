@@ -246,6 +246,76 @@ def beam_error(results: Results) -> float:
     return abs(beam_deflection(results) / BEAM_DEFLECTION - 1.0)
 
 
+# --- bending of a block that is cut out of the grid at an angle -----------------------------------
+
+CUT_ANGLE, CUT_PRESS, CUT_TURN = 30.0, 2.0e-5, 1.0e-5
+
+
+def cut(n: int, steps: int, scheme: Scheme) -> str:
+    """A unit square on a smooth base that cuts the cells, bent by a smooth platen that turns.
+
+    Walls that turn are tools, which only push: the platen also presses, twice as far as it lifts. A
+    node held along x keeps the block from sliding and carries nothing.
+    """
+    h, place = 1.0 / n, turned(CUT_ANGLE)
+    corners = [place(0, 0), place(1, 0), place(1, 1), place(0, 1)]
+    low = np.min(corners, axis=0) - 0.3 - h * np.array([0.41, 0.37])
+    pin = low + h * np.round((np.array(place(0.5, 0.5)) - low) / h)
+    platen = listed(*place(1.3, 1), *place(-0.3, 1))
+    return (
+        square_grid(corners, 0.3, h)
+        + material(PATCH_MODULUS, PATCH_RATIO, 0.0, corners, scheme)
+        + boundary("base", "roller", [place(-0.3, 0), place(1.3, 0)], scheme)
+        + f"&tool name = 'platen', shape = 'polyline', vertices = {platen},"
+        + f" displacement = {listed(*place(0.0, -CUT_PRESS))}, pivot = {listed(*place(0.5, 1))},"
+        + f" rotation = {listed(-math.degrees(CUT_TURN))} /\n"
+        + f"&fixity name = 'pin', lower = {listed(*(pin - 0.1 * h))},"
+        + f" upper = {listed(*(pin + 0.1 * h))}, held = 'x' /\n"
+        + ending(steps, scheme)
+    )
+
+
+def cut_error(results: Results) -> float:
+    """Root mean square of the error of the stress over that of the bending stress."""
+    frame = last_frame(results)
+    across, along = (np.array(turned(CUT_ANGLE)(*axis)) for axis in [(1.0, 0.0), (0.0, 1.0)])
+    modulus = PATCH_MODULUS / (1.0 - PATCH_RATIO**2)
+    bending = modulus * CUT_TURN * (0.5 - results.frame(0).position[:, :2] @ across)
+    xx, yy, _, xy, _, _ = frame["stress"].T
+    stress = np.array([[xx, xy], [xy, yy]])
+    exact = np.multiply.outer(np.outer(along, along), bending - modulus * CUT_PRESS)
+    wrong = np.sum((stress - exact) ** 2, axis=(0, 1))
+    volume = reference_volume(frame)
+    return float(
+        math.sqrt(np.average(wrong, weights=volume) / np.average(bending**2, weights=volume))
+    )
+
+
+# --- cantilever that bends far down ---------------------------------------------------------------
+
+#: Displacement of the tip over the length: finite elements (Q9, 40 x 4).
+TIP = np.array([-0.55521, -0.82783])
+
+
+def cantilever(n: int, steps: int, scheme: Scheme) -> str:
+    """A beam, 10 long and 1 high, clamped on the left, under a dead load at its tip."""
+    corners = [(0, 0), (10, 0), (10, 1), (0, 1)]
+    return (
+        grid((-1.0, -10.0), 1.0 / n, (13 * n, 12 * n))
+        + material(12.0e6, 0.2, 0.0, corners, scheme)
+        + boundary("clamp", "fixed", [(0, 1), (0, 0)], scheme)
+        + "&edge_load name = 'tip', vertices = 10.0, 0.0, 10.0, 1.0, traction = 0.0, -1.0e5 /\n"
+        + ending(steps, scheme)
+    )
+
+
+def cantilever_error(results: Results) -> float:
+    """Distance of the tip from where finite elements put it, over the length."""
+    start, end = results.frame(0).outlines(), last_frame(results).outlines()
+    at_tip = start[:, :, 0] > 10.0 - 1.0e-6
+    return float(np.linalg.norm(np.mean((end - start)[at_tip], axis=0) / 10.0 - TIP))
+
+
 # --- wedge ----------------------------------------------------------------------------------------
 
 #: Push force at 36 mm: finite elements that follow the material.
@@ -286,6 +356,8 @@ def wedge_error(results: Results) -> float:
 # --- all of them ----------------------------------------------------------------------------------
 
 STRESS = "relative error of the stress"
+#: For problems with loads on edges or walls that turn, which plain points do not know.
+TILES = ("default", "default_2x2")
 PROBLEMS = {
     "column": Problem(
         "Column, walls on grid lines",
@@ -322,6 +394,25 @@ PROBLEMS = {
         beam_error,
         (2, 4, 8, 10, 16),
         5,
+    ),
+    "cut": Problem(
+        "Bending of a block cut at 30 degrees",
+        STRESS,
+        cut,
+        cut_error,
+        (4, 8, 16, 32, 64),
+        1,
+        TILES,
+    ),
+    "cantilever": Problem(
+        "Cantilever, tip 0.83 lengths down",
+        "distance of the tip over the length",
+        cantilever,
+        cantilever_error,
+        (2, 4, 8, 16),
+        20,
+        TILES,
+        (10,),
     ),
     "wedge": Problem(
         "Wedge of 20 degrees",
