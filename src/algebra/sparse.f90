@@ -5,8 +5,7 @@ module coulter_algebra_sparse
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: element_dofs_type, pattern_type, add_element_matrix, multiply, &
-      find_mirror, joined
+   public :: element_dofs_type, pattern_type, add_element_matrix, multiply, find_mirror, joined
 
    !> The unknowns that every element couples, in ragged rows.
    type :: element_dofs_type
