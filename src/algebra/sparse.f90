@@ -2,12 +2,10 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_algebra_sparse
    use, intrinsic :: iso_c_binding, only: c_int
-   use coulter_algebra_pairs, only: find_pairs
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: element_dofs_type, pattern_type, build_pattern, add_element_matrix, multiply
-   public :: find_mirror, joined
+   public :: element_dofs_type, pattern_type, add_element_matrix, multiply, find_mirror, joined
 
    !> The unknowns that every element couples, in ragged rows.
    type :: element_dofs_type
@@ -40,116 +38,6 @@ module coulter_algebra_sparse
    end type pattern_type
 
 contains
-
-   !> Pattern and scatter map of a matrix made of dense element matrices.
-   subroutine build_pattern(pattern, n, elements)
-      !> Pattern to make.
-      type(pattern_type), intent(out) :: pattern
-      !> Number of unknowns.
-      integer, intent(in) :: n
-      !> Unknowns of every element.
-      type(element_dofs_type), intent(in) :: elements
-      integer, allocatable :: user_start(:), user(:), owner(:), place(:), rows(:)
-      logical :: is_first(n), is_paired(elements%n_elements)
-      integer :: column, n_rows, i
-
-      call transpose_elements(elements, n, user_start, user, owner)
-      call find_pairs(n, elements%start(:elements%n_elements + 1), elements%dof, is_first, &
-                      is_paired)
-      call allocate_slots(pattern, elements, is_paired)
-      pattern%n = n
-      allocate (pattern%column_start(n + 1), pattern%is_twin(n), place(n), rows(n))
-      allocate (pattern%row(count_values(elements)))
-      place = 0
-      pattern%column_start(1) = 0
-      do column = 1, n
-         if (.not. is_second(column)) call collect_rows(column)
-         do i = 1, n_rows
-            pattern%row(pattern%n_entries + i) = rows(i) - 1
-            place(rows(i)) = pattern%n_entries + i
-         end do
-         call fill_slots(column)
-         place(rows(:n_rows)) = 0
-         call find_twin(column)
-         pattern%n_entries = pattern%n_entries + n_rows
-         pattern%column_start(column + 1) = pattern%n_entries
-      end do
-      pattern%row = pattern%row(:pattern%n_entries)
-
-   contains
-
-      !> Is the unknown the second of a pair? Its column has the rows of the first.
-      pure function is_second(dof) result(answer)
-         integer, intent(in) :: dof
-         logical :: answer
-
-         answer = .false.
-         if (dof > 1) answer = is_first(dof - 1)
-      end function is_second
-
-      !> Sorted unknowns that share an element with the column: the first of every pair, and then
-      !> all.
-      subroutine collect_rows(column)
-         integer, intent(in) :: column
-         integer :: u, e, k, dof, n_pairs
-
-         n_rows = 0
-         do u = user_start(column), user_start(column + 1) - 1
-            e = owner(user(u))
-            do k = elements%start(e), elements%start(e + 1) - 1
-               dof = elements%dof(k)
-               if (dof == 0) cycle
-               if (place(dof) /= 0 .or. is_second(dof)) cycle
-               place(dof) = 1
-               n_rows = n_rows + 1
-               rows(n_rows) = dof
-            end do
-         end do
-         call sort_ascending(rows(:n_rows))
-         n_pairs = count(is_first(rows(:n_rows)))
-         k = n_rows + n_pairs
-         do u = n_rows, 1, -1
-            dof = rows(u)
-            if (is_first(dof)) rows(k) = dof + 1
-            if (is_first(dof)) k = k - 1
-            rows(k) = dof
-            k = k - 1
-         end do
-         n_rows = n_rows + n_pairs
-      end subroutine collect_rows
-
-      !> Compare with the column before.
-      subroutine find_twin(column)
-         integer, intent(in) :: column
-         integer :: first
-
-         pattern%is_twin(column) = .false.
-         if (column == 1) return
-         first = pattern%column_start(column - 1) + 1
-         if (pattern%is_twin(column - 1) .or. pattern%n_entries - first + 1 /= n_rows) return
-         pattern%is_twin(column) = all(pattern%row(first:pattern%n_entries) == rows(:n_rows) - 1)
-      end subroutine find_twin
-
-      !> Note where the values of all elements in this column go.
-      subroutine fill_slots(column)
-         integer, intent(in) :: column
-         integer :: u, e, first, last, each, next, k
-
-         do u = user_start(column), user_start(column + 1) - 1
-            e = owner(user(u))
-            if (is_paired(e) .and. is_second(column)) cycle
-            each = merge(2, 1, is_paired(e))
-            first = elements%start(e)
-            last = elements%start(e + 1) - 1
-            next = pattern%slot_start(e) + (user(u) - first)/each*((last - first + 1)/each)
-            do k = first, last, each
-               if (elements%dof(k) > 0) pattern%slot(next) = place(elements%dof(k))
-               next = next + 1
-            end do
-         end do
-      end subroutine fill_slots
-
-   end subroutine build_pattern
 
    !> Elements of two lists in one.
    pure function joined(first, second) result(both)
@@ -273,79 +161,5 @@ contains
          end if
       end do
    end subroutine multiply
-
-   !> For every unknown, its entries in the elements, and the element of every entry.
-   pure subroutine transpose_elements(elements, n, user_start, user, owner)
-      type(element_dofs_type), intent(in) :: elements
-      integer, intent(in) :: n
-      integer, allocatable, intent(out) :: user_start(:), user(:), owner(:)
-      integer :: e, k, dof
-
-      allocate (user_start(n + 1), source=0)
-      allocate (owner(size(elements%dof)))
-      do k = 1, size(elements%dof)
-         if (elements%dof(k) > 0) user_start(elements%dof(k)) = user_start(elements%dof(k)) + 1
-      end do
-      user_start(1) = user_start(1) + 1
-      do k = 2, n + 1
-         user_start(k) = user_start(k) + user_start(k - 1)
-      end do
-      allocate (user(user_start(n + 1) - 1))
-      do e = elements%n_elements, 1, -1
-         do k = elements%start(e), elements%start(e + 1) - 1
-            owner(k) = e
-            dof = elements%dof(k)
-            if (dof == 0) cycle
-            user_start(dof) = user_start(dof) - 1
-            user(user_start(dof)) = k
-         end do
-      end do
-   end subroutine transpose_elements
-
-   !> Make room for the scatter map.
-   pure subroutine allocate_slots(pattern, elements, is_paired)
-      type(pattern_type), intent(inout) :: pattern
-      type(element_dofs_type), intent(in) :: elements
-      logical, intent(in) :: is_paired(:)
-      integer :: e, m
-
-      allocate (pattern%slot_start(elements%n_elements + 1))
-      pattern%slot_start(1) = 1
-      do e = 1, elements%n_elements
-         m = elements%start(e + 1) - elements%start(e)
-         if (is_paired(e)) m = m/2
-         pattern%slot_start(e + 1) = pattern%slot_start(e) + m**2
-      end do
-      allocate (pattern%slot(pattern%slot_start(elements%n_elements + 1) - 1), source=0)
-   end subroutine allocate_slots
-
-   !> Number of values of all element matrices.
-   pure function count_values(elements) result(n)
-      type(element_dofs_type), intent(in) :: elements
-      integer :: n
-      integer :: e
-
-      n = 0
-      do e = 1, elements%n_elements
-         n = n + (elements%start(e + 1) - elements%start(e))**2
-      end do
-   end function count_values
-
-   !> Insertion sort: the rows of a column are few.
-   pure subroutine sort_ascending(numbers)
-      integer, intent(inout) :: numbers(:)
-      integer :: i, j, number
-
-      do i = 2, size(numbers)
-         number = numbers(i)
-         j = i - 1
-         do while (j >= 1)
-            if (numbers(j) <= number) exit
-            numbers(j + 1) = numbers(j)
-            j = j - 1
-         end do
-         numbers(j + 1) = number
-      end do
-   end subroutine sort_ascending
 
 end module coulter_algebra_sparse

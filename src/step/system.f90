@@ -2,7 +2,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_system
    use coulter_algebra_solver, only: solver_type
-   use coulter_algebra_sparse, only: build_pattern, element_dofs_type, pattern_type
+   use coulter_algebra_pattern, only: build_pattern
+   use coulter_algebra_sparse, only: element_dofs_type, pattern_type
    use coulter_base_kinds, only: long, wp
    use coulter_base_timer, only: stopwatch_type
    use coulter_boundary_contact, only: contacts_type
