@@ -11,7 +11,8 @@ module coulter_results_frames
    use coulter_points_fields, only: cauchy_stress, elastic_strain, full_gradient, n_symmetric, &
       n_tensor, space_vector, stress_ratio
    use coulter_points_tiling, only: tile_outlines
-   use coulter_results_hdf5_io, only: hdf5_file_type, kind_integer, kind_real, kind_single
+   use coulter_results_hdf5_io, only: hdf5_file_type
+   use coulter_results_hdf5_types, only: kind_integer, kind_real, kind_single
    implicit none(type, external)
    private
    public :: frames_type, add_frames, put_frame

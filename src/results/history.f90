@@ -6,7 +6,8 @@ module coulter_results_history
    use coulter_base_text, only: last_of_line
    use coulter_model, only: model_type
    use coulter_model_observer, only: n_phases, phase_names, step_report_type
-   use coulter_results_hdf5_io, only: hdf5_file_type, kind_integer, kind_real, kind_text
+   use coulter_results_hdf5_io, only: hdf5_file_type
+   use coulter_results_hdf5_types, only: kind_integer, kind_real, kind_text
    implicit none(type, external)
    private
    public :: history_type, add_history, put_history

@@ -3,7 +3,8 @@
 module coulter_results_provenance
    use coulter_base_error, only: error_type
    use coulter_base_kinds, only: long, wp
-   use coulter_results_hdf5_io, only: hdf5_file_type, kind_real
+   use coulter_results_hdf5_io, only: hdf5_file_type
+   use coulter_results_hdf5_types, only: kind_real
    implicit none(type, external)
    private
    public :: provenance_type, put_provenance, put_deck, put_status

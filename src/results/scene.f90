@@ -7,7 +7,8 @@ module coulter_results_scene
    use coulter_grid, only: grid_type
    use coulter_model, only: model_type, units_type
    use coulter_model_control, only: phase_type
-   use coulter_results_hdf5_io, only: hdf5_file_type, kind_integer, kind_real
+   use coulter_results_hdf5_io, only: hdf5_file_type
+   use coulter_results_hdf5_types, only: kind_integer, kind_real
    implicit none(type, external)
    private
    public :: put_scene, put_shapes

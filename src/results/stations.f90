@@ -4,7 +4,8 @@ module coulter_results_stations
    use coulter_base_kinds, only: long, wp
    use coulter_model, only: model_type
    use coulter_model_contact_report, only: station_report_type
-   use coulter_results_hdf5_io, only: hdf5_file_type, kind_integer, kind_real
+   use coulter_results_hdf5_io, only: hdf5_file_type
+   use coulter_results_hdf5_types, only: kind_integer, kind_real
    implicit none(type, external)
    private
    public :: stations_file_type, add_stations, put_stations
