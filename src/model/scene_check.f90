@@ -109,65 +109,85 @@ contains
       end do
    end subroutine check_overlaps
 
-   !> A boundary must have segments, and reach material unless it says otherwise.
+   !> A boundary must have segments, suit the domains, and reach material unless it says otherwise.
    subroutine check_boundaries(model, regions, faults)
       type(model_type), intent(in) :: model
       type(located_region_type), intent(in) :: regions(:)
       type(fault_list_type), intent(inout) :: faults
+      integer :: b
+
+      do b = 1, size(model%boundaries)
+         call check_formulation(model, b, faults)
+         call check_reach(model, b, regions, faults)
+      end do
+   end subroutine check_boundaries
+
+   !> The formulation of a boundary must suit the domains of the points and their material.
+   subroutine check_formulation(model, b, faults)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: b
+      type(fault_list_type), intent(inout) :: faults
+      logical :: is_tiled, is_implicit
+
+      is_tiled = model%control%domains == domains_tiles
+      associate (boundary => model%boundaries(b))
+         is_implicit = boundary%formulation == formulation_implicit
+         if (is_implicit .eqv. is_tiled) then
+            call blame(model, b, faults, "formulation", "does not suit the domains of the points:" &
+                       //" 'nitsche' or 'augmented' for tiles, else 'implicit'")
+         else if (boundary%kind == kind_fixed .and. .not. boundary%is_bilateral .and. is_tiled) then
+            call blame(model, b, faults, "bilateral", "a fixed boundary must be bilateral")
+         else if (is_too_soft(model, boundary)) then
+            call blame(model, b, faults, "", "band_ratio = "//to_text(boundary%band_ratio) &
+                       //" is too wide for material that is nearly incompressible:" &
+                       //" formulation 'implicit' needs a band_ratio of at most " &
+                       //to_text(widest_yielding_band/largest_stiffness_ratio(model), 3))
+         end if
+      end associate
+   end subroutine check_formulation
+
+   !> A boundary must have segments, and be where it acts unless it may start apart.
+   subroutine check_reach(model, b, regions, faults)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: b
+      type(located_region_type), intent(in) :: regions(:)
+      type(fault_list_type), intent(inout) :: faults
       real(wp) :: distance, spacing
-      integer :: b, r
+      integer :: r
 
       spacing = model%grid%smallest_spacing()
-      do b = 1, size(model%boundaries)
-         associate (boundary => model%boundaries(b))
-            if (shortest_segment(boundary%vertices) <= 1.0e-9_wp*spacing) then
-               call blame("vertices", "two corners in a row coincide")
-               cycle
-            end if
-            if ((boundary%formulation == formulation_implicit) &
-                .eqv. (model%control%domains == domains_tiles)) then
-               call blame("formulation", "does not suit the domains of the" &
-                               //" points: 'nitsche' or 'augmented' for tiles, else 'implicit'")
-            else if (boundary%kind == kind_fixed .and. .not. boundary%is_bilateral &
-                     .and. model%control%domains == domains_tiles) then
-               call blame("bilateral", "a fixed boundary must be bilateral")
-            end if
-            if (is_too_soft(model, boundary)) then
-               call blame("", "band_ratio = "//to_text(boundary%band_ratio) &
-                               //" is too wide for material that is nearly incompressible:" &
-                               //" formulation 'implicit' needs a band_ratio of at most " &
-                               //to_text(widest_yielding_band/largest_stiffness_ratio(model), 3))
-               cycle
-            end if
-            if (boundary%may_start_apart .or. boundary%first_phase > 1) cycle
-            distance = huge(distance)
-            do r = 1, size(regions)
-               distance = min(distance, &
-                              polyline_distance(boundary%vertices, regions(r)%vertices))
-            end do
-            if (distance <= spacing) cycle
-            call blame("", "touches no material: the nearest region is " &
-                            //to_text(distance, 4)//" away, more than the grid spacing; set" &
-                            //" may_start_apart if it meets material later")
-         end associate
-      end do
+      associate (boundary => model%boundaries(b))
+         if (shortest_segment(boundary%vertices) <= 1.0e-9_wp*spacing) then
+            call blame(model, b, faults, "vertices", "two corners in a row coincide")
+            return
+         end if
+         if (boundary%may_start_apart .or. boundary%first_phase > 1) return
+         distance = huge(distance)
+         do r = 1, size(regions)
+            distance = min(distance, polyline_distance(boundary%vertices, regions(r)%vertices))
+         end do
+      end associate
+      if (distance <= spacing) return
+      call blame(model, b, faults, "", "touches no material: the nearest region is " &
+                 //to_text(distance, 4)//" away, more than the grid spacing; set" &
+                 //" may_start_apart if it meets material later")
+   end subroutine check_reach
 
-   contains
+   !> Note a fault of a boundary, a wall or a tool; tools follow the walls.
+   subroutine blame(model, b, faults, variable, message)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: b
+      type(fault_list_type), intent(inout) :: faults
+      character(len=*), intent(in) :: variable, message
 
-      !> Note a fault of the boundary, a wall or a tool; tools follow the walls.
-      subroutine blame(variable, message)
-         character(len=*), intent(in) :: variable, message
-
-         associate (is_tool => model%boundaries%is_tool)
-            if (is_tool(b)) then
-               call faults%add("tool", count(is_tool(:b)), variable, message)
-            else
-               call faults%add("boundary", count(.not. is_tool(:b)), variable, message)
-            end if
-         end associate
-      end subroutine blame
-
-   end subroutine check_boundaries
+      associate (is_tool => model%boundaries%is_tool)
+         if (is_tool(b)) then
+            call faults%add("tool", count(is_tool(:b)), variable, message)
+         else
+            call faults%add("boundary", count(.not. is_tool(:b)), variable, message)
+         end if
+      end associate
+   end subroutine blame
 
    !> Is the band of the implicit boundary method too wide for nearly incompressible material?
    function is_too_soft(model, boundary) result(answer)
