@@ -6,7 +6,7 @@ module coulter_deck_bodies
    use coulter_deck_initial_stress, only: read_body_stress, read_stress_profiles
    use coulter_deck_outline, only: new_polygon
    use coulter_deck_references, only: check_unique_names, get_reference
-   use coulter_deck_values, only: get_list, get_value, is_given
+   use coulter_deck_values, only: demand_one, get_list, get_value
    use coulter_model_control, only: domains_tiles
    use coulter_points_body, only: body_type, region_type
    implicit none(type, external)
@@ -85,12 +85,7 @@ contains
       character(len=:), allocatable :: message
       real(wp), allocatable :: box(:), list(:)
 
-      if (is_given(deck, group, "rectangle") .and. is_given(deck, group, "polygon")) then
-         call blame(deck, group, "polygon", "stands beside `rectangle`; give one of them")
-      else if (.not. (is_given(deck, group, "rectangle") .or. is_given(deck, group, "polygon") &
-                      .or. deck%groups(group)%is_broken)) then
-         call blame(deck, group, "", "needs either `rectangle` or `polygon`")
-      end if
+      call demand_one(deck, group, "rectangle", "polygon")
       call get_list(deck, group, "rectangle", box)
       call get_list(deck, group, "polygon", list)
       if (allocated(box)) then

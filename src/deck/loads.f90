@@ -9,7 +9,7 @@ module coulter_deck_loads
    use coulter_deck_outline, only: new_polyline
    use coulter_deck_references, only: check_unique_names, get_reference
    use coulter_deck_schedule, only: read_load_phases
-   use coulter_deck_values, only: get_list, get_value, is_given
+   use coulter_deck_values, only: demand_one, get_list, get_value
    use coulter_model_body_force, only: body_force_type
    use coulter_model_control, only: domains_tiles
    implicit none(type, external)
@@ -46,7 +46,6 @@ contains
       type(edge_load_type), intent(out) :: load
       character(len=:), allocatable :: message
       real(wp), allocatable :: list(:)
-      logical :: has_traction, has_pressure
 
       load%name = ""
       call get_value(deck, group, "name", load%name)
@@ -59,13 +58,7 @@ contains
          call new_polyline(list, load%vertices, message)
          if (message /= "") call blame(deck, group, "vertices", message)
       end if
-      has_traction = is_given(deck, group, "traction")
-      has_pressure = is_given(deck, group, "pressure")
-      if (has_traction .and. has_pressure) then
-         call blame(deck, group, "pressure", "stands beside `traction`; give one of them")
-      else if (.not. (has_traction .or. has_pressure .or. deck%groups(group)%is_broken)) then
-         call blame(deck, group, "", "needs either `traction` or `pressure`")
-      end if
+      call demand_one(deck, group, "traction", "pressure")
    end subroutine read_edge_load
 
    !> All tables.

@@ -4,7 +4,8 @@ module coulter_deck_samples
    use coulter_base_kinds, only: wp
    use coulter_deck_document, only: blame, deck_type, find_groups
    use coulter_deck_references, only: check_unique_names, get_reference
-   use coulter_deck_values, only: demand, get_choice, get_list, get_value, is_given, refuse
+   use coulter_deck_values, only: demand, demand_one, get_choice, get_list, get_value, is_given, &
+      refuse
    use coulter_sample, only: sample_type, stage_type
    implicit none(type, external)
    private
@@ -105,17 +106,9 @@ contains
       character(len=*), intent(in) :: prefix
       type(stage_type), intent(inout) :: stage
       integer, intent(in) :: component
-      logical :: has_strain, has_stress
 
-      has_strain = is_given(deck, group, prefix//"_strain")
-      has_stress = is_given(deck, group, prefix//"_stress")
-      if (has_strain .and. has_stress) then
-         call blame(deck, group, prefix//"_stress", "stands beside `"//prefix &
-                    //"_strain`; give one of them")
-      else if (.not. (has_strain .or. has_stress .or. deck%groups(group)%is_broken)) then
-         call blame(deck, group, "", "needs either `"//prefix//"_strain` or `"//prefix &
-                    //"_stress`")
-      else if (has_stress) then
+      call demand_one(deck, group, prefix//"_strain", prefix//"_stress")
+      if (is_given(deck, group, prefix//"_stress")) then
          call drive_by(deck, group, prefix//"_stress", .true., stage, component)
       else
          call drive_by(deck, group, prefix//"_strain", .false., stage, component)

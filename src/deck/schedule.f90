@@ -5,7 +5,7 @@ module coulter_deck_schedule
    use coulter_base_table, only: is_increasing
    use coulter_deck_document, only: blame, deck_type, find_groups, first_group
    use coulter_deck_references, only: check_unique_names, get_reference
-   use coulter_deck_values, only: get_list, get_value, is_given, refuse
+   use coulter_deck_values, only: demand_one, get_list, get_value, is_given, refuse
    use coulter_model_control, only: phase_type, schedule_type
    implicit none(type, external)
    private
@@ -71,12 +71,7 @@ contains
 
       n = 1
       if (group > 0) then
-         if (is_given(deck, group, "count") .and. is_given(deck, group, "end_times")) then
-            call blame(deck, group, "end_times", "stands beside `count`; give one of them")
-         else if (.not. (is_given(deck, group, "count") .or. is_given(deck, group, "end_times") &
-                         .or. deck%groups(group)%is_broken)) then
-            call blame(deck, group, "", "needs either `count` or `end_times`")
-         end if
+         call demand_one(deck, group, "count", "end_times")
          call get_value(deck, group, "count", n)
          call get_list(deck, group, "end_times", end_time)
       end if

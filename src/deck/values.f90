@@ -8,7 +8,7 @@ module coulter_deck_values
    use coulter_deck_variable, only: read_variable, rule_of
    implicit none(type, external)
    private
-   public :: get_value, get_list, get_choice, is_given, refuse, demand
+   public :: get_value, get_list, get_choice, is_given, refuse, demand, demand_one
 
    !> Replace a preset value by that of the deck. A variable that is absent or at fault leaves it.
    interface get_value
@@ -62,6 +62,22 @@ contains
       call blame(deck, group, variable, &
                  "is missing; it takes "//allowed_text(rule_of(deck, group, variable)))
    end subroutine demand
+
+   !> Note a fault unless just one of two variables is given.
+   subroutine demand_one(deck, group, first, second)
+      !> Deck that notes faults.
+      type(deck_type), intent(inout) :: deck
+      !> Number of the group in the deck.
+      integer, intent(in) :: group
+      !> Variable names.
+      character(len=*), intent(in) :: first, second
+
+      if (is_given(deck, group, first)) then
+         call refuse(deck, group, second, "stands beside `"//first//"`; give one of them")
+      else if (.not. (is_given(deck, group, second) .or. deck%groups(group)%is_broken)) then
+         call blame(deck, group, "", "needs either `"//first//"` or `"//second//"`")
+      end if
+   end subroutine demand_one
 
    !> Number of the chosen word among the choices of the schema; `choice` keeps its value when the
    !> variable is absent or at fault.
