@@ -70,10 +70,11 @@ module coulter_boundary
       !> Is it a rigid tool, whose sharp corners press on edges of bodies as well, and is that a
       !> solid: a closed chain with the material outside?
       logical :: is_tool = .false., is_solid = .false.
-      !> Components of its displacement that are free: a load, force units per thickness at a table
-      !> value of 1, decides them.
-      logical :: is_free(2) = .false.
-      real(wp) :: load(2) = 0.0_wp
+      !> Components of its displacement that are free, and does it turn freely about its centre? A
+      !> load decides: at a table value of 1, force units per thickness, and a moment beside it,
+      !> counter-clockwise. The force acts at a place on the tool, from the centre, length units.
+      logical :: is_free(2) = .false., turns_freely = .false.
+      real(wp) :: load(2) = 0.0_wp, moment = 0.0_wp, lever(2) = 0.0_wp
       integer :: load_table = 0
       !> Bulge of every segment: tangent of a quarter of the angle of an arc, positive when it runs
       !> counter-clockwise, shape (n_segments); unallocated if all are straight.

@@ -19,8 +19,9 @@ module coulter_boundary_contact_search
    type :: approach_type
       !> Number of the boundary.
       integer :: number = 0
-      !> How it moves.
+      !> How it moves, and may it turn in the step?
       type(motion_type) :: motion
+      logical :: may_turn = .false.
       !> Its sharp corners, if it is a tool.
       type(tip_type), allocatable :: tips(:)
       !> Edges farther away than `reach` or behind a face by more than `deepest` cannot be met;
@@ -84,6 +85,7 @@ contains
          shift(b) = largest_shift(motion(b), boundaries(b)%vertices)
          approach(b)%number = b
          approach(b)%motion = motion(b)
+         approach(b)%may_turn = abs(motion(b)%rotation) > 0.0_wp .or. boundaries(b)%turns_freely
          call find_tips(approach(b)%tips, boundaries(b), tiling, spacing)
       end do
       approach%reach = reach*spacing + 2.0_wp*maxval([0.0_wp, shift])
@@ -124,7 +126,7 @@ contains
       do k = 1, 2
          contact%weight = weight(k)
          if (.not. weight(k) > 0.0_wp) cycle
-         call settle_end(contact, k, tiling, approach%motion, held)
+         call settle_end(contact, k, tiling, approach, held)
          if (contact%is_settled) then
             if (.not. starts_on(boundary, s, ends(:, [k, 3 - k]), approach%slack)) cycle
          end if
@@ -172,7 +174,7 @@ contains
             place = moved_by(approach%motion, boundary%vertices(:, tip%vertex))
             contact%face%first = place
             contact%rubs = boundary%has_friction()
-            call settle_end(contact, 1, tiling, approach%motion, held_edge_type())
+            call settle_end(contact, 1, tiling, approach, held_edge_type())
             contact%inward = [-(ends(2, 2) - ends(2, 1)), ends(1, 2) - ends(1, 1)] &
                /norm2(ends(:, 2) - ends(:, 1))
             contact%lag = boundary%vertices(:, tip%vertex) - place
@@ -203,11 +205,11 @@ contains
    end function tip_weight
 
    !> What belongs to one end of the edge.
-   pure subroutine settle_end(contact, k, tiling, motion, held)
+   pure subroutine settle_end(contact, k, tiling, approach, held)
       type(contact_type), intent(inout) :: contact
       integer, intent(in) :: k
       type(tiling_type), intent(in) :: tiling
-      type(motion_type), intent(in) :: motion
+      type(approach_type), intent(in) :: approach
       type(held_edge_type), intent(in) :: held
       real(wp) :: along(2)
 
@@ -224,10 +226,9 @@ contains
          contact%lag = (dot_product(contact%face%tangent, contact%offset) - held%distance(k)) &
             *contact%face%tangent
       else if (contact%rubs) then
-         contact%lag = lag_after(motion, tiling%position(:, contact%corner), contact%lag)
+         contact%lag = lag_after(approach%motion, tiling%position(:, contact%corner), contact%lag)
       end if
-      if (.not. (contact%rubs .or. abs(contact%face%radius) > 0.0_wp &
-                 .or. abs(motion%rotation) > 0.0_wp)) return
+      if (.not. (contact%rubs .or. abs(contact%face%radius) > 0.0_wp .or. approach%may_turn)) return
       along = real(3 - 2*k, wp)*(contact%other_offset - contact%offset)
       contact%inward = [-along(2), along(1)]/norm2(along)
    end subroutine settle_end

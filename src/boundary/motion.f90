@@ -4,7 +4,7 @@ module coulter_boundary_motion
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: motion_type, moved_by, largest_shift
+   public :: motion_type, moved_by, largest_shift, followed_by, seen_from, turn_matrix, crosswise
 
    !> Rotation about a centre, then translation.
    type :: motion_type
@@ -52,5 +52,50 @@ contains
          shift = max(shift, norm2(moved_by(motion, positions(:, i)) - positions(:, i)))
       end do
    end function largest_shift
+
+   !> A motion followed by one about the centre as the first leaves it.
+   pure function followed_by(motion, next) result(both)
+      !> Both motions; the centre of the second is that of the first after it.
+      type(motion_type), intent(in) :: motion, next
+      type(motion_type) :: both
+
+      both = motion
+      both%translation = motion%translation + next%translation
+      both%rotation = motion%rotation + next%rotation
+   end function followed_by
+
+   !> Way of a place for one who moves along with a motion.
+   pure function seen_from(motion, position, way) result(seen)
+      !> The motion.
+      type(motion_type), intent(in) :: motion
+      !> Position before it, and its way, length units.
+      real(wp), intent(in) :: position(2), way(2)
+      real(wp) :: seen(2)
+      real(wp) :: arm(2)
+
+      seen = way - motion%translation
+      ! without rotation no digits may be lost
+      if (.not. abs(motion%rotation) > 0.0_wp) return
+      arm = position - motion%centre + seen
+      seen = seen - 2.0_wp*sin(0.5_wp*motion%rotation)**2*arm - sin(motion%rotation)*crosswise(arm)
+   end function seen_from
+
+   !> Matrix that turns vectors counter-clockwise by an angle, radians.
+   pure function turn_matrix(angle) result(turn)
+      !> The angle.
+      real(wp), intent(in) :: angle
+      real(wp) :: turn(2, 2)
+
+      turn = reshape([cos(angle), sin(angle), -sin(angle), cos(angle)], [2, 2])
+   end function turn_matrix
+
+   !> A vector turned by a right angle, counter-clockwise.
+   pure function crosswise(vector)
+      !> The vector.
+      real(wp), intent(in) :: vector(2)
+      real(wp) :: crosswise(2)
+
+      crosswise = [-vector(2), vector(1)]
+   end function crosswise
 
 end module coulter_boundary_motion

@@ -254,10 +254,16 @@ module coulter_deck_schema
          "centre of rotation and of moments at the start; moves with the displacement"), &
       variable_rule_type("tool", "free", "choice", 1, 1, "", "(none)", "x y xy", &
          "components of the displacement that `load` decides"), &
+      variable_rule_type("tool", "free_rotation", "logical", 1, 1, "", ".false.", "", &
+         "does it turn freely about `pivot`, as on a hinge, until moments balance?"), &
       variable_rule_type("tool", "load", "real", 2, 2, "force", "0.0, 0.0", "", &
          "force on the tool per thickness, such as its weight, at a table value of 1"), &
+      variable_rule_type("tool", "load_point", "real", 2, 2, "length", "(pivot)", "", &
+         "free_rotation: where the load acts at the start; moves and turns with the tool"), &
+      variable_rule_type("tool", "moment", "real", 1, 1, "force*length", "0.0", "", &
+         "free_rotation: moment beside the load, counter-clockwise, at a table value of 1"), &
       variable_rule_type("tool", "load_table", "text", 1, 1, "", "(ramp)", "", &
-         "name of the table that schedules the load; else proportional to time"), &
+         "name of the table that schedules load and moment; else proportional to time"), &
       variable_rule_type("tool", "friction", "real", 1, 1, "", "0.0", ">= 0", &
          "coefficient of Coulomb friction"), &
       variable_rule_type("tool", "adhesion", "real", 1, 1, "stress", "0.0", ">= 0", &

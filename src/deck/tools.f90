@@ -12,7 +12,7 @@ module coulter_deck_tools
    use coulter_deck_file, only: read_text
    use coulter_deck_outline, only: new_polygon, new_polyline
    use coulter_deck_references, only: check_unique_names, get_reference
-   use coulter_deck_values, only: get_choice, get_list, get_value, is_given
+   use coulter_deck_values, only: get_choice, get_list, get_value, is_given, refuse
    use coulter_model_control, only: domains_tiles, schedule_type
    implicit none(type, external)
    private
@@ -77,22 +77,36 @@ contains
       call read_freedom(deck, group, tool)
    end subroutine read_tool
 
-   !> Components that a load decides.
+   !> Components that a load decides; the pivot is known.
    subroutine read_freedom(deck, group, tool)
       type(deck_type), intent(inout) :: deck
       integer, intent(in) :: group
       type(boundary_type), intent(inout) :: tool
+      real(wp) :: load_point(2)
       integer :: choice
 
       choice = 0
       call get_choice(deck, group, "free", choice)
       tool%is_free = [choice == 1 .or. choice == 3, choice >= 2]
+      call get_value(deck, group, "free_rotation", tool%turns_freely)
       call get_value(deck, group, "load", tool%load)
+      load_point = tool%centre
+      call get_value(deck, group, "load_point", load_point)
+      tool%lever = load_point - tool%centre
+      call get_value(deck, group, "moment", tool%moment)
       call get_reference(deck, group, "load_table", tool%load_table, "table")
       if (any(tool%is_free .and. abs(tool%displacement) > 0.0_wp)) then
          call blame(deck, group, "free", "cannot go with a displacement in the same direction")
-      else if (any(.not. tool%is_free .and. abs(tool%load) > 0.0_wp)) then
-         call blame(deck, group, "load", "needs `free` in its direction")
+      end if
+      if (tool%turns_freely) then
+         if (abs(tool%rotation) > 0.0_wp) call blame(deck, group, "free_rotation", &
+                                                     "cannot go with a rotation")
+         return
+      end if
+      call refuse(deck, group, "moment", "needs `free_rotation`")
+      call refuse(deck, group, "load_point", "needs `free_rotation`")
+      if (any(.not. tool%is_free .and. abs(tool%load) > 0.0_wp)) then
+         call blame(deck, group, "load", "needs `free` in its direction, or `free_rotation`")
       end if
    end subroutine read_freedom
 

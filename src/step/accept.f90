@@ -4,12 +4,13 @@ module coulter_step_accept
    use coulter_base_kinds, only: wp
    use coulter_base_tensor, only: finger_of_log_strain_plane, log_strain_plane
    use coulter_base_text, only: to_text
-   use coulter_boundary_motion, only: motion_type, moved_by
+   use coulter_boundary_motion, only: motion_type, moved_by, turn_matrix
    use coulter_grid_shape, only: shape_gradients_2d, shape_values_2d
    use coulter_law, only: law_response_type, law_visit_type, n_plane
-   use coulter_model, only: boundary_motion, model_type, point_moduli
+   use coulter_model, only: model_type, point_moduli
    use coulter_points, only: point_state_type
    use coulter_points_tiling, only: tile_centroid
+   use coulter_step_contact_state, only: whole_motion
    use coulter_step_hourglass, only: remember_hourglass
    use coulter_step_patch_assembly, only: displacement_gradient, unit_gradient
    use coulter_step_patches, only: functions_in_patch, most_patch_nodes, patch_functions_type
@@ -257,7 +258,7 @@ contains
       end associate
    end subroutine measure_volumes
 
-   !> Boundaries move as prescribed.
+   !> Boundaries move as prescribed, tools also freely.
    pure subroutine move_boundaries(model, system)
       type(model_type), intent(inout) :: model
       type(system_type), intent(in) :: system
@@ -265,9 +266,7 @@ contains
       integer :: b, i
 
       do b = 1, size(model%boundaries)
-         motion = boundary_motion(model, b, system%start_time, system%end_time)
-         if (system%border%n > 0) motion%translation = motion%translation &
-            + system%border%motion(:, b)
+         motion = whole_motion(system, model, b)
          associate (boundary => model%boundaries(b))
             do i = 1, size(boundary%vertices, 2)
                boundary%vertices(:, i) = moved_by(motion, boundary%vertices(:, i))
@@ -275,6 +274,7 @@ contains
             boundary%centre = boundary%centre + motion%translation
             boundary%travel = boundary%travel + motion%translation
             boundary%turned = boundary%turned + motion%rotation
+            boundary%lever = matmul(turn_matrix(motion%rotation), boundary%lever)
          end associate
       end do
    end subroutine move_boundaries

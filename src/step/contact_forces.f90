@@ -12,9 +12,10 @@ module coulter_step_contact_forces
    use coulter_boundary_face, only: place_on, place_type
    use coulter_boundary_friction, only: friction_of, friction_type, press, rub, rub_type
    use coulter_boundary_ibm, only: band_stiffness_factor
+   use coulter_boundary_motion, only: turn_matrix
    use coulter_boundary_tip, only: edge_place_type, place_on_edge
    use coulter_model, only: model_type, point_moduli
-   use coulter_step_border, only: add_station, clear_border
+   use coulter_step_border, only: add_station, clear_border, mode_at
    use coulter_step_contact_state, only: decide, motion_of
    use coulter_step_point_kernel, only: point_response_type
    use coulter_step_system, only: system_type
@@ -96,42 +97,49 @@ contains
       end if
    end subroutine add_contacts_of_tile
 
-   !> What a station adds to the reaction and the loaded length of its boundary, and to the balance
-   !> of that if it moves freely.
+   !> What a station adds to the reaction and the loaded length of its boundary.
    subroutine add_to_boundary(system, model, contact, force, stiffness)
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
       type(contact_type), intent(in) :: contact
       real(wp), intent(in) :: force(2, 4), stiffness(:, :, :, :)
 
-      associate (b => contact%boundary, tile => contact%tile)
-         call add_station(system%border, b, model%tiling%corner(:, tile), force, &
-                          stiffness(:, :, :, :4))
-         if (allocated(system%tile_patches)) then
-            call add_patch_rows(system, b, model%tiling%patch(tile), stiffness(:, :, :, 5))
-         end if
+      if (system%border%n > 0) call add_to_border(system, model, contact, force, stiffness)
+      associate (b => contact%boundary)
          system%boundary_reaction(:, b) = system%boundary_reaction(:, b) - sum(force, dim=2)
          system%loaded_length(b) = system%loaded_length(b) + contact%weight
       end associate
    end subroutine add_to_boundary
 
-   !> The balance of a free tool depends on all corners of the patches that its stations touch.
-   pure subroutine add_patch_rows(system, boundary, patch, by_mean)
+   !> What a station adds to the balance of a tool that moves freely. Where volume changes are
+   !> shared, that depends on all corners of the patches that its stations touch.
+   subroutine add_to_border(system, model, contact, force, stiffness)
       type(system_type), intent(inout) :: system
-      integer, intent(in) :: boundary, patch
-      !> Derivatives of the force of a station by mean volume change and pressure.
-      real(wp), intent(in) :: by_mean(2, 4, 2)
-      integer :: j
+      type(model_type), intent(in) :: model
+      type(contact_type), intent(in) :: contact
+      real(wp), intent(in) :: force(2, 4), stiffness(:, :, :, :)
+      real(wp) :: position(2, 4), by_mean(2)
+      integer :: j, k, v
 
-      do j = 1, system%border%n
-         if (system%border%boundary(j) /= boundary) cycle
-         call add_mean_slopes(system%tile_patches, patch, &
-                              sum(by_mean(system%border%direction(j), :, :), dim=1), &
-                              system%border%corner_row(:, :, j))
-      end do
-   end subroutine add_patch_rows
+      associate (corner => model%tiling%corner(:, contact%tile), border => system%border)
+         position = model%tiling%position(:, corner) + system%map%increment(:, corner)
+         call add_station(border, contact%boundary, corner, position, force, &
+                          stiffness(:, :, :, :4))
+         if (.not. allocated(system%tile_patches)) return
+         do j = 1, border%n
+            if (border%boundary(j) /= contact%boundary) cycle
+            do k = 1, 2
+               by_mean(k) = sum([(dot_product(mode_at(border, j, position(:, v)), &
+                                              stiffness(:, v, k, 5)), v=1, 4)])
+            end do
+            call add_mean_slopes(system%tile_patches, model%tiling%patch(contact%tile), by_mean, &
+                                 border%corner_row(:, :, j))
+         end do
+      end associate
+   end subroutine add_to_border
 
    !> One station, if it acts: what presses against the face and, unless that is smooth, rubs along.
+   !> All is reckoned by one who moves freely with the tool, then turned to where the tool is.
    subroutine add_contact(system, model, contact, response, force, stiffness)
       type(system_type), intent(in) :: system
       type(model_type), intent(in) :: model
@@ -141,7 +149,7 @@ contains
       type(edge_place_type) :: place
       type(rub_type) :: answer
       real(wp) :: penalty(2), material(2), moved(2, 2), lag(2), by_gap(2, 2)
-      real(wp) :: by_vertices(2, 2, size(stiffness, 4))
+      real(wp) :: by_vertices(2, 2, size(stiffness, 4)), angle
 
       moved = motion_of(system, contact)
       if (contact%tip > 0) then
@@ -152,6 +160,8 @@ contains
       lag = contact%lag + (1.0_wp - contact%share)*moved(:, 1) + contact%share*moved(:, 2)
       penalty = penalties(model, contact)
       call find_material_traction(system, model, contact, response, material, by_vertices)
+      angle = system%border%motion(contact%boundary)%rotation
+      if (abs(angle) > 0.0_wp) call turn_material(-angle, material, by_vertices)
       call press(answer, place%place_type, material, penalty(1))
       by_gap = answer%by_place
       call decide(system, model, contact, place, answer%traction(1)/penalty(1))
@@ -170,7 +180,42 @@ contains
       else
          call add_answer(contact, answer, by_vertices, force, stiffness)
       end if
+      if (abs(angle) > 0.0_wp) call turn_station(angle, contact, force, stiffness)
    end subroutine add_contact
+
+   !> Turn the traction of the material and its derivatives by the vertices.
+   pure subroutine turn_material(angle, material, by_vertices)
+      real(wp), intent(in) :: angle
+      real(wp), intent(inout) :: material(2), by_vertices(:, :, :)
+      real(wp) :: turn(2, 2)
+      integer :: b
+
+      turn = turn_matrix(angle)
+      material = matmul(turn, material)
+      do b = 1, size(by_vertices, 3)
+         by_vertices(:, :, b) = matmul(turn, by_vertices(:, :, b))
+         if (b < 5) by_vertices(:, :, b) = matmul(by_vertices(:, :, b), transpose(turn))
+      end do
+   end subroutine turn_material
+
+   !> Turn force, tangent and memory of a station.
+   pure subroutine turn_station(angle, contact, force, stiffness)
+      real(wp), intent(in) :: angle
+      type(contact_type), intent(inout) :: contact
+      real(wp), intent(inout) :: force(2, 4), stiffness(:, :, :, :)
+      real(wp) :: turn(2, 2)
+      integer :: a, b
+
+      turn = turn_matrix(angle)
+      force = matmul(turn, force)
+      contact%new_lag = matmul(turn, contact%new_lag)
+      do b = 1, size(stiffness, 4)
+         do a = 1, 4
+            stiffness(:, a, :, b) = matmul(turn, stiffness(:, a, :, b))
+            if (b < 5) stiffness(:, a, :, b) = matmul(stiffness(:, a, :, b), transpose(turn))
+         end do
+      end do
+   end subroutine turn_station
 
    !> Friction, and where the station will stick from now on.
    subroutine rub_along(system, boundary, contact, place, material, penalty, lag, answer)

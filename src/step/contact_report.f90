@@ -3,12 +3,12 @@
 module coulter_step_contact_report
    use coulter_base_kinds, only: wp
    use coulter_boundary_contact, only: contact_type
-   use coulter_boundary_face, only: place_on, place_type
-   use coulter_boundary_tip, only: edge_place_type, place_on_edge
+   use coulter_boundary_face, only: place_type
+   use coulter_boundary_motion, only: moved_by, turn_matrix
    use coulter_model, only: model_type
    use coulter_model_contact_report, only: contact_report_type, station_report_type
    use coulter_model_observer, only: step_report_type
-   use coulter_step_contact_state, only: motion_of
+   use coulter_step_contact_state, only: locate, motion_of
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
@@ -55,15 +55,19 @@ contains
       real(wp) :: force(2), arm(2)
 
       call locate(contact, motion_of(system, contact), place, station%position)
-      if (system%border%n > 0) station%position = station%position &
-         + system%border%motion(:, contact%boundary)
+      force = -contact%weight*(contact%traction(1)*place%normal &
+                               + contact%traction(2)*place%tangent)
+      if (system%border%n > 0) then
+         associate (free => system%border%motion(contact%boundary))
+            station%position = moved_by(free, station%position)
+            force = matmul(turn_matrix(free%rotation), force)
+         end associate
+      end if
       station%boundary = contact%boundary
       station%slip = contact%slip
       station%weight = contact%weight
       station%traction = contact%traction
       associate (sum => report%contacts(contact%boundary))
-         force = -contact%weight*(contact%traction(1)*place%normal &
-                                  + contact%traction(2)*place%tangent)
          arm = station%position - sum%centre
          sum%moment = sum%moment + arm(1)*force(2) - arm(2)*force(1)
          sum%pressing = sum%pressing - contact%weight*contact%traction(1)
@@ -76,27 +80,6 @@ contains
          end if
       end associate
    end subroutine add_station
-
-   !> Place of a station at the end of the step, relative to its face and in the plane.
-   pure subroutine locate(contact, moved, place, position)
-      type(contact_type), intent(in) :: contact
-      real(wp), intent(in) :: moved(2, 2)
-      type(place_type), intent(out) :: place
-      real(wp), intent(out) :: position(2)
-      type(edge_place_type) :: on_edge
-      real(wp) :: ends(2, 2), share
-
-      ends = reshape([contact%offset, contact%other_offset], [2, 2]) + moved
-      position = contact%face%first + ends(:, 1)
-      if (contact%tip == 0) then
-         place = place_on(contact%face, contact%offset, moved(:, 1))
-      else
-         on_edge = place_on_edge(ends)
-         place = on_edge%place_type
-         share = min(max(on_edge%share, 0.0_wp), 1.0_wp)
-         position = position + share*(ends(:, 2) - ends(:, 1))
-      end if
-   end subroutine locate
 
    !> Work by the trapezoidal rule.
    pure subroutine sum_work(report, system)

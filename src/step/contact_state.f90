@@ -5,12 +5,13 @@ module coulter_step_contact_state
    use coulter_boundary, only: formulation_augmented
    use coulter_boundary_contact, only: contact_type, end_slack
    use coulter_boundary_face, only: place_on, place_type, reaches
-   use coulter_boundary_tip, only: edge_place_type
-   use coulter_model, only: model_type
+   use coulter_boundary_motion, only: followed_by, motion_type, seen_from
+   use coulter_boundary_tip, only: edge_place_type, place_on_edge
+   use coulter_model, only: boundary_motion, model_type
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
-   public :: motion_of, decide, land_free_tools, augment_contacts
+   public :: motion_of, whole_motion, locate, decide, augment_contacts
 
    !> Gaps below this share of the spacing count as closed: round-off of a body that starts on a
    !> wall.
@@ -20,7 +21,22 @@ module coulter_step_contact_state
 
 contains
 
-   !> Motion of both ends of an edge against a tool that may move freely.
+   !> How a boundary moves in the step: as prescribed, then freely.
+   pure function whole_motion(system, model, boundary) result(motion)
+      !> System at the present unknowns.
+      type(system_type), intent(in) :: system
+      !> Scene.
+      type(model_type), intent(in) :: model
+      !> Number of the boundary.
+      integer, intent(in) :: boundary
+      type(motion_type) :: motion
+
+      motion = boundary_motion(model, boundary, system%start_time, system%end_time)
+      if (system%border%n > 0) motion = followed_by(motion, system%border%motion(boundary))
+   end function whole_motion
+
+   !> Motion of both ends of an edge for one who moves freely with the tool, and to whom its faces
+   !> are where the prescribed motion takes them.
    pure function motion_of(system, contact) result(moved)
       !> System at the present unknowns.
       type(system_type), intent(in) :: system
@@ -31,8 +47,37 @@ contains
 
       moved = system%map%increment(:, [contact%corner, contact%other_corner])
       if (system%border%n == 0) return
-      moved = moved - spread(system%border%motion(:, contact%boundary), 2, 2)
+      associate (free => system%border%motion(contact%boundary), origin => contact%face%first)
+         moved(:, 1) = seen_from(free, origin + contact%offset, moved(:, 1))
+         moved(:, 2) = seen_from(free, origin + contact%other_offset, moved(:, 2))
+      end associate
    end function motion_of
+
+   !> Place of a station at the end of the step, relative to its face and in the plane, for one who
+   !> moves freely with the tool.
+   pure subroutine locate(contact, moved, place, position)
+      !> The station.
+      type(contact_type), intent(in) :: contact
+      !> What `motion_of` says of it.
+      real(wp), intent(in) :: moved(2, 2)
+      !> Place relative to its face, or to the edge that a tip presses on.
+      type(place_type), intent(out) :: place
+      !> Where it is in the plane, length units.
+      real(wp), intent(out) :: position(2)
+      type(edge_place_type) :: on_edge
+      real(wp) :: ends(2, 2), share
+
+      ends = reshape([contact%offset, contact%other_offset], [2, 2]) + moved
+      position = contact%face%first + ends(:, 1)
+      if (contact%tip == 0) then
+         place = place_on(contact%face, contact%offset, moved(:, 1))
+      else
+         on_edge = place_on_edge(ends)
+         place = on_edge%place_type
+         share = min(max(on_edge%share, 0.0_wp), 1.0_wp)
+         position = position + share*(ends(:, 2) - ends(:, 1))
+      end if
+   end subroutine locate
 
    !> Does the station act? A prediction keeps what acted in the last step.
    pure subroutine decide(system, model, contact, place, overlap)
@@ -82,34 +127,6 @@ contains
       other = place_on(contact%face, contact%other_offset, moved(:, 2))
       answer = reaches(contact%face, place%distance, other%distance, slack)
    end function acts
-
-   !> Let the nearest stations of free tools that touch nothing act, as if they had before: they
-   !> must carry the load.
-   pure subroutine land_free_tools(system, has_changed)
-      !> System whose contacts have been evaluated.
-      type(system_type), intent(inout) :: system
-      !> Was there such a tool?
-      logical, intent(out) :: has_changed
-      type(place_type) :: place(system%contacts%n)
-      real(wp) :: moved(2, 2)
-      integer :: j, k
-
-      has_changed = .false.
-      do j = 1, system%border%n
-         associate (contacts => system%contacts%item(:system%contacts%n), &
-                    b => system%border%boundary(j))
-            if (any(contacts%is_acting .and. contacts%boundary == b)) cycle
-            if (.not. any(contacts%boundary == b .and. contacts%tip == 0)) cycle
-            do k = 1, size(contacts)
-               moved = motion_of(system, contacts(k))
-               place(k) = place_on(contacts(k)%face, contacts(k)%offset, moved(:, 1))
-            end do
-            k = minloc(place%gap, dim=1, mask=contacts%boundary == b .and. contacts%tip == 0)
-            system%contacts%item(k)%was_acting = .true.
-            has_changed = .true.
-         end associate
-      end do
-   end subroutine land_free_tools
 
    !> End a round of the augmented Lagrangian method: what the penalty carries is remembered, so
    !> that it can relax.

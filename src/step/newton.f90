@@ -8,8 +8,9 @@ module coulter_step_newton
    use coulter_model_observer, only: phase_assemble, phase_factorise, phase_solve
    use coulter_step_assembly, only: assemble
    use coulter_step_border, only: set_motion, solve_bordered
-   use coulter_step_contact_state, only: augment_contacts, land_free_tools
+   use coulter_step_contact_state, only: augment_contacts
    use coulter_step_dofs, only: expand, reduce
+   use coulter_step_landing, only: land_free_tools
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
@@ -310,7 +311,10 @@ contains
       if (.not. has_failed) has_failed = maxval(abs(newton%correction)) &
          > largest_motion*maxval(model%grid%upper_corner() - model%grid%origin)
       newton%is_nearly_singular = system%solver%pivot_ratio < least_pivot_ratio(model)
-      if (has_failed) then
+      if (has_failed .and. system%border%unheld > 0) then
+         newton%failure = "tool "//model%boundaries(system%border%unheld)%name &
+            //" is free to move, and nothing holds it against its load"
+      else if (has_failed) then
          newton%failure = "the tangent is singular: the material is unstable, or a body is free" &
             //" to move since no boundary or fixity holds it"
       end if

@@ -6,7 +6,8 @@ module coulter_step_passage
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
    use coulter_boundary_motion, only: motion_type, moved_by
-   use coulter_model, only: boundary_motion, model_type
+   use coulter_model, only: model_type
+   use coulter_step_contact_state, only: whole_motion
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
@@ -35,9 +36,7 @@ contains
       if (.not. any(model%boundaries%is_tool)) return
       do b = 1, size(model%boundaries)
          if (.not. (model%boundaries(b)%is_tool .and. model%boundaries(b)%is_active)) cycle
-         motion = boundary_motion(model, b, system%start_time, system%end_time)
-         if (system%border%n > 0) motion%translation = motion%translation &
-            + system%border%motion(:, b)
+         motion = whole_motion(system, model, b)
          do e = 1, size(model%tiling%outer_edge, 2)
             associate (corner => model%tiling%outer_edge(1, e))
                if (.not. has_passed(model%boundaries(b), motion, &

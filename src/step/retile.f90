@@ -9,7 +9,7 @@ module coulter_step_retile
    use coulter_boundary_motion, only: largest_shift
    use coulter_boundary_trimming, only: is_near_face, trim_outline
    use coulter_law, only: law_response_type, law_visit_type, n_plane
-   use coulter_model, only: boundary_motion, model_type
+   use coulter_model, only: model_type
    use coulter_model_observer, only: step_report_type
    use coulter_points, only: points_type
    use coulter_points_outline, only: outline_type, trace_outline
@@ -19,6 +19,7 @@ module coulter_step_retile
    use coulter_points_tiling, only: corner_gradients, new_tiling, remember_pulls, &
       tiling_type
    use coulter_points_transfer, only: restore_area, transfer_points
+   use coulter_step_contact_state, only: whole_motion
    use coulter_step_report, only: add_warning
    use coulter_step_system, only: system_type
    implicit none(type, external)
@@ -81,9 +82,7 @@ contains
       way = 0.0_wp
       do b = 1, size(model%boundaries)
          if (.not. model%boundaries(b)%is_active) cycle
-         way = max(way, largest_shift(boundary_motion(model, b, system%start_time, &
-                                                      system%end_time), &
-                                      model%boundaries(b)%vertices))
+         way = max(way, largest_shift(whole_motion(system, model, b), model%boundaries(b)%vertices))
       end do
    end function way_of_tools
 

@@ -8,11 +8,11 @@ module coulter_step_tile_setup
    use coulter_boundary_contact_search, only: build_contacts
    use coulter_boundary_edge_load, only: find_loaded_edges
    use coulter_boundary_held_edge, only: find_held_edges
-   use coulter_boundary_motion, only: motion_type
    use coulter_model, only: boundary_motion, load_factor, model_type, point_moduli
    use coulter_model_control, only: small_cells_aggregate
    use coulter_points_tiling, only: corner_weights
-   use coulter_step_border, only: new_border
+   use coulter_boundary_motion, only: motion_type, turn_matrix
+   use coulter_step_border, only: new_border, tool_load_type
    use coulter_step_dofs, only: number_dofs
    use coulter_step_ghost, only: find_ghost_faces, ghost_matrix, ghost_type
    use coulter_step_system, only: make_room, renew_pattern, system_type
@@ -95,18 +95,23 @@ contains
       if (.not. has_failed) call set_ghost_values(system, faces)
    end subroutine number_tile_system
 
-   !> Free components of tools, with the loads on them at the end of the step.
+   !> Free components of tools, with their pivots and the loads on them at the end of the step.
    subroutine set_border(system, model)
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
+      type(motion_type) :: motion
+      real(wp) :: factor
       integer :: j
 
       call new_border(system%border, model%boundaries, system%cells%n_nodes, &
                       model%tiling%n_corners)
       do j = 1, system%border%n
-         associate (tool => model%boundaries(system%border%boundary(j)))
-            system%border%load(j) = tool%load(system%border%direction(j)) &
-               *load_factor(model, tool%load_table, system%end_time, tool%ramp_phase)
+         associate (b => system%border%boundary(j), tool => model%boundaries(system%border%boundary(j)))
+            motion = boundary_motion(model, b, system%start_time, system%end_time)
+            system%border%motion(b)%centre = motion%centre + motion%translation
+            factor = load_factor(model, tool%load_table, system%end_time, tool%ramp_phase)
+            system%border%pull(j) = tool_load_type(factor*tool%load, factor*tool%moment, &
+                                                   matmul(turn_matrix(motion%rotation), tool%lever))
          end associate
       end do
    end subroutine set_border
