@@ -47,8 +47,9 @@ module coulter_boundary_contact
       logical :: is_settled = .false.
       !> Is the corner held in both directions and also against being pulled off, and does it rub?
       logical :: is_bilateral = .false., is_fixed = .false., rubs = .false.
-      !> Does the face act on it, and did it in the last step?
-      logical :: is_acting = .false., was_acting = .false.
+      !> Does the face act on it, and did it in the last step? Has a free tool just landed on it, so
+      !> that it must act whatever its traction?
+      logical :: is_acting = .false., was_acting = .false., has_landed = .false.
       !> Sign of its shear while it slips, 0 while it sticks; and in the last step.
       integer :: slip = 0, last_slip = 0
    end type contact_type

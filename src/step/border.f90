@@ -2,7 +2,7 @@
 !>
 !> A free tool moves so that its contacts carry the load on it. Moving the tool is moving its
 !> stations the other way; turning it also turns the forces of its stations. So all derivatives are
-!> sums over the forces and tangents of the stations (theory, section 8).
+!> sums over the forces and tangents of the stations (theory, section 4).
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_border
    use coulter_algebra_solver, only: solver_type
@@ -14,7 +14,7 @@ module coulter_step_border
    implicit none(type, external)
    private
    public :: border_type, tool_load_type, new_border, clear_border, add_station, set_motion, &
-      solve_bordered, mode_at, direction_of_turning
+      solve_bordered, load_on, mode_at, direction_of_turning
 
    !> Pivots below this share of the tangents of the stations vanish.
    real(wp), parameter :: smallest_pivot = epsilon(1.0_wp)
@@ -119,7 +119,6 @@ contains
    pure subroutine clear_border(border)
       !> Border with loads.
       type(border_type), intent(inout) :: border
-      real(wp) :: lever(2)
       integer :: j
 
       if (border%n == 0) return
@@ -129,19 +128,39 @@ contains
       border%corner_row = 0.0_wp
       border%block = 0.0_wp
       do j = 1, border%n
-         associate (pull => border%pull(j), d => border%direction(j))
-            if (d /= direction_of_turning) then
-               border%load(j) = pull%force(d)
-               cycle
-            end if
-            lever = matmul(turn_matrix(border%motion(border%boundary(j))%rotation), pull%lever)
-            border%load(j) = (pull%moment + dot_product(crosswise(lever), pull%force)) &
-               /border%reach(j)
-            border%block(j, j) = -dot_product(lever, pull%force)/border%reach(j)**2
-         end associate
+         border%load(j) = load_on(border, j)
+         if (border%direction(j) == direction_of_turning) border%block(j, j) = &
+            -dot_product(lever_of(border, j), border%pull(j)%force)/border%reach(j)**2
       end do
       border%unbalanced = border%load
    end subroutine clear_border
+
+   !> Load on a free component, force units.
+   pure function load_on(border, j) result(load)
+      !> Border with motions.
+      type(border_type), intent(in) :: border
+      !> Number of the component.
+      integer, intent(in) :: j
+      real(wp) :: load
+
+      associate (pull => border%pull(j), d => border%direction(j))
+         if (d /= direction_of_turning) then
+            load = pull%force(d)
+         else
+            load = (pull%moment + dot_product(crosswise(lever_of(border, j)), pull%force)) &
+               /border%reach(j)
+         end if
+      end associate
+   end function load_on
+
+   !> Way from the pivot to where the load acts, as the tool stands.
+   pure function lever_of(border, j) result(lever)
+      type(border_type), intent(in) :: border
+      integer, intent(in) :: j
+      real(wp) :: lever(2)
+
+      lever = matmul(turn_matrix(border%motion(border%boundary(j))%rotation), border%pull(j)%lever)
+   end function lever_of
 
    !> Which way a place on a free tool goes, per length of the free component.
    pure function mode_at(border, j, position) result(mode)

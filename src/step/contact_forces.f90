@@ -85,6 +85,7 @@ contains
          own_stiffness = 0.0_wp
          call add_contact(system, model, system%contacts%item(k), response, own_force, &
                           own_stiffness)
+         system%contacts%item(k)%has_landed = .false.
          if (.not. system%contacts%item(k)%is_acting) cycle
          force = force + own_force
          stiffness = stiffness + own_stiffness
@@ -226,7 +227,7 @@ contains
       real(wp), intent(in) :: material(2), penalty(2), lag(2)
       type(rub_type), intent(inout) :: answer
 
-      if (system%is_predicting .and. contact%was_acting) then
+      if (contact%has_landed .or. (system%is_predicting .and. contact%was_acting)) then
          call rub(answer, place, material, penalty, lag, friction_of(boundary), contact%last_slip)
       else
          call rub(answer, place, material, penalty, lag, friction_of(boundary))

@@ -94,7 +94,7 @@ contains
 
       contact%slip = 0
       contact%traction = 0.0_wp
-      contact%is_acting = system%is_predicting .and. contact%was_acting
+      contact%is_acting = contact%has_landed .or. (system%is_predicting .and. contact%was_acting)
       if (contact%is_acting) return
       if (contact%tip > 0) then
          contact%is_acting = overlap < touching*model%grid%smallest_spacing() &

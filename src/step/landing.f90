@@ -1,144 +1,214 @@
-!> Lets free tools land: what they will rest on acts from the first iteration on, else nothing would
-!> hold them.
+!> Lets free tools land: moves those that nothing holds as their loads pull them, until stations
+!> hold them. Newton's method alone would send them through the bodies.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_landing
    use coulter_base_kinds, only: wp
-   use coulter_boundary_contact, only: contact_type
+   use coulter_boundary_contact, only: contact_type, end_slack
    use coulter_boundary_face, only: place_type
    use coulter_boundary_motion, only: moved_by, turn_matrix
-   use coulter_step_border, only: mode_at
+   use coulter_step_border, only: border_type, direction_of_turning, load_on, mode_at, set_motion
    use coulter_step_contact_state, only: locate, motion_of
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
    public :: land_free_tools
 
-   !> Loads and gaps change by less than this share of a motion only by round-off.
+   !> A load that pulls by less than this share of itself is round-off.
    real(wp), parameter :: negligible = 1.0e-9_wp
    !> Stations whose gap closes by less than this share of the way of the tool do not hold it.
    real(wp), parameter :: glancing = 1.0e-3_wp
+   !> Gaps below this share of the spacing are closed; what is deeper behind a face than its
+   !> deepest share belongs to something else.
+   real(wp), parameter :: closed = 1.0e-6_wp, deepest = 0.5_wp
+   !> Largest angle of a part of a flight, and most parts.
+   real(wp), parameter :: largest_angle = 0.1_wp
+   integer, parameter :: most_parts = 100
 
-   !> A free tool on its way to the stations that will hold it.
+   !> A tool at a moment of its flight.
    type :: flight_type
-      !> Its free components, shape (n).
+      !> Free components, shape (n).
       integer, allocatable :: component(:)
-      !> Motions that its stations resist, orthonormal, shape (n, n_resisted).
-      real(wp), allocatable :: resisted(:, :)
-      !> Its stations, how their gaps change with the components, and the gaps, shapes (n_stations),
-      !> (n, n_stations) and (n_stations), length units.
+      !> Stations, and have they been met? Shape (n_stations).
       integer, allocatable :: station(:)
-      real(wp), allocatable :: slope(:, :), gap(:)
+      logical, allocatable :: is_met(:)
+      !> Where the load pulls the tool, past all that resists: a unit vector, shape (n), 0 if it
+      !> cannot move the tool.
+      real(wp), allocatable :: way(:)
+      !> Way to every station, length units, shape (n_stations); huge for those that are not met.
+      real(wp), allocatable :: distance(:)
    end type flight_type
 
 contains
 
-   !> Let stations of free tools act, as if they had before: those that the tools meet first as their
-   !> loads pull them, until these can move them no farther.
-   pure subroutine land_free_tools(system, has_changed)
+   !> Move all free tools that their stations do not hold, and let the stations on which they land
+   !> act in the next evaluation, whatever their tractions.
+   pure subroutine land_free_tools(system, spacing, unknowns, has_changed)
       !> System whose contacts have been evaluated.
       type(system_type), intent(inout) :: system
-      !> Has any tool landed?
+      !> Grid spacing.
+      real(wp), intent(in) :: spacing
+      !> Free motions, length units, shape (border%n).
+      real(wp), intent(inout) :: unknowns(:)
+      !> Has any tool moved or landed?
       logical, intent(out) :: has_changed
       type(flight_type) :: flight
+      real(wp) :: part
       integer :: j, k
 
       has_changed = .false.
       do j = 1, system%border%n
          if (any(system%border%boundary(:j - 1) == system%border%boundary(j))) cycle
          call begin_flight(flight, system, system%border%boundary(j))
-         do
-            call fly_on(flight, system%border%load(flight%component), k)
-            if (k == 0) exit
-            system%contacts%item(k)%was_acting = .true.
+         do k = 1, most_parts
+            call look_ahead(flight, system, spacing)
+            part = minval([flight%distance, huge(part)])
+            if (.not. part < huge(part)) exit
             has_changed = .true.
+            if (part <= closed*spacing) then
+               flight%is_met = flight%is_met .or. flight%distance <= closed*spacing
+               cycle
+            end if
+            unknowns(flight%component) = unknowns(flight%component) &
+               + min(part, longest_part(flight, system%border))*flight%way
+            call set_motion(system%border, unknowns)
          end do
+         system%contacts%item(flight%station)%has_landed = flight%is_met
       end do
    end subroutine land_free_tools
 
-   !> Components and stations of a tool; those that act resist from the start.
+   !> Components and stations of a tool.
    pure subroutine begin_flight(flight, system, boundary)
       type(flight_type), intent(out) :: flight
       type(system_type), intent(in) :: system
       integer, intent(in) :: boundary
-      real(wp) :: normal(2), tangent(2), position(2)
-      integer :: i, j, k
-
-      flight%component = pack([(j, j=1, system%border%n)], system%border%boundary == boundary)
-      flight%station = pack([(k, k=1, system%contacts%n)], &
-                            system%contacts%item(:system%contacts%n)%boundary == boundary)
-      allocate (flight%resisted(size(flight%component), 0), flight%gap(size(flight%station)))
-      allocate (flight%slope(size(flight%component), size(flight%station)))
-      do i = 1, size(flight%station)
-         associate (contact => system%contacts%item(flight%station(i)))
-            call look_at(system, contact, flight%gap(i), normal, tangent, position)
-            flight%slope(:, i) = slopes(normal)
-            if (.not. contact%is_acting) cycle
-            call resist(flight, slopes(normal))
-            if (contact%rubs .and. contact%slip == 0) call resist(flight, slopes(tangent))
-         end associate
-      end do
-
-   contains
-
-      !> How the way along a direction changes with the components.
-      pure function slopes(direction)
-         real(wp), intent(in) :: direction(2)
-         real(wp) :: slopes(size(flight%component))
-         integer :: c
-
-         slopes = [(-dot_product(direction, mode_at(system%border, flight%component(c), position)), &
-                    c=1, size(slopes))]
-      end function slopes
-
-   end subroutine begin_flight
-
-   !> Gap of a station, its normal and tangent, and where it is.
-   pure subroutine look_at(system, contact, gap, normal, tangent, position)
-      type(system_type), intent(in) :: system
-      type(contact_type), intent(in) :: contact
-      real(wp), intent(out) :: gap, normal(2), tangent(2), position(2)
-      type(place_type) :: place
-
-      call locate(contact, motion_of(system, contact), place, position)
-      associate (free => system%border%motion(contact%boundary))
-         position = moved_by(free, position)
-         normal = matmul(turn_matrix(free%rotation), place%normal)
-         tangent = matmul(turn_matrix(free%rotation), place%tangent)
-      end associate
-      gap = place%gap
-   end subroutine look_at
-
-   !> Follow the load to the next station; 0 if nothing more is met or nothing can move.
-   pure subroutine fly_on(flight, load, station)
-      type(flight_type), intent(inout) :: flight
-      real(wp), intent(in) :: load(:)
-      integer, intent(out) :: station
-      real(wp) :: way(size(load)), closing(size(flight%station)), time(size(flight%station))
       integer :: i
 
-      station = 0
-      way = load - matmul(flight%resisted, matmul(load, flight%resisted))
-      if (size(time) == 0 .or. .not. norm2(way) > negligible*norm2(load)) return
-      closing = -matmul(way/norm2(way), flight%slope)
-      time = huge(time)
-      where (closing > glancing) time = max(flight%gap, 0.0_wp)/closing
-      i = minloc(time, dim=1)
-      if (.not. time(i) < huge(time)) return
-      station = flight%station(i)
-      flight%gap = flight%gap - time(i)*closing
-      call resist(flight, flight%slope(:, i))
-   end subroutine fly_on
+      flight%component = pack([(i, i=1, system%border%n)], system%border%boundary == boundary)
+      flight%station = pack([(i, i=1, system%contacts%n)], &
+                            system%contacts%item(:system%contacts%n)%boundary == boundary)
+      allocate (flight%is_met(size(flight%station)), source=.false.)
+      allocate (flight%way(size(flight%component)), flight%distance(size(flight%station)))
+   end subroutine begin_flight
 
-   !> A station resists motions along a slope from now on.
-   pure subroutine resist(flight, slope)
+   !> Where the load pulls the tool past the stations that act or have been met, and how far it is to
+   !> the others.
+   pure subroutine look_ahead(flight, system, spacing)
       type(flight_type), intent(inout) :: flight
-      real(wp), intent(in) :: slope(:)
-      real(wp) :: new(size(slope))
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: spacing
+      real(wp) :: load(size(flight%way)), size_of_load
+      real(wp), dimension(size(flight%way), size(flight%station)) :: along_normal, along_tangent
+      type(place_type) :: place(size(flight%station))
+      integer :: i
 
-      new = slope - matmul(flight%resisted, matmul(slope, flight%resisted))
-      if (norm2(new) <= glancing*norm2(slope)) return
-      flight%resisted = reshape([flight%resisted, new/norm2(new)], &
-                                [size(slope), size(flight%resisted, 2) + 1])
+      load = [(load_on(system%border, flight%component(i)), i=1, size(load))]
+      size_of_load = norm2(load)
+      call measure(flight, system, place, along_normal, along_tangent)
+      call resist(load, flight, system, along_normal, along_tangent)
+      flight%distance = huge(1.0_wp)
+      if (.not. norm2(load) > negligible*size_of_load) return
+      flight%way = load/norm2(load)
+      do i = 1, size(flight%station)
+         associate (contact => system%contacts%item(flight%station(i)), &
+                    closing => -dot_product(flight%way, along_normal(:, i)), d => flight%distance(i))
+            if (contact%is_acting .or. flight%is_met(i) .or. closing < glancing &
+                .or. place(i)%gap < -deepest*spacing) cycle
+            d = max(place(i)%gap, 0.0_wp)/closing
+            associate (foot => place(i)%distance + d*dot_product(flight%way, along_tangent(:, i)))
+               if (.not. is_within(contact, foot, end_slack*spacing)) d = huge(d)
+            end associate
+         end associate
+      end do
+   end subroutine look_ahead
+
+   !> Does a foot lie on the face, or on the edge that a tip presses on?
+   pure function is_within(contact, foot, slack) result(answer)
+      type(contact_type), intent(in) :: contact
+      !> Place along the face or edge, and how far both reach beyond their ends, length units.
+      real(wp), intent(in) :: foot, slack
+      logical :: answer
+      real(wp) :: length
+
+      length = contact%face%length
+      if (contact%tip > 0) length = norm2(contact%other_offset - contact%offset)
+      answer = foot >= -slack .and. foot <= length + slack
+   end function is_within
+
+   !> Places of all stations, and how their gaps and feet move with the components.
+   pure subroutine measure(flight, system, place, along_normal, along_tangent)
+      type(flight_type), intent(in) :: flight
+      type(system_type), intent(in) :: system
+      type(place_type), intent(out) :: place(:)
+      real(wp), intent(out) :: along_normal(:, :), along_tangent(:, :)
+      real(wp) :: position(2), mode(2), turn(2, 2)
+      integer :: i, k
+
+      do i = 1, size(flight%station)
+         associate (contact => system%contacts%item(flight%station(i)))
+            call locate(contact, motion_of(system, contact), place(i), position)
+            associate (free => system%border%motion(contact%boundary))
+               position = moved_by(free, position)
+               turn = transpose(turn_matrix(free%rotation))
+            end associate
+            do k = 1, size(flight%component)
+               mode = matmul(turn, mode_at(system%border, flight%component(k), position))
+               along_normal(k, i) = -dot_product(place(i)%normal, mode)
+               along_tangent(k, i) = -dot_product(place(i)%tangent, mode)
+               ! a tip moves along the edge, a face under its corner
+               if (contact%tip > 0) along_tangent(k, i) = -along_tangent(k, i)
+            end do
+         end associate
+      end do
+   end subroutine measure
+
+   !> Take from the load what stations resist that act or have been met: along their normals, and
+   !> along their faces if they rub.
+   pure subroutine resist(load, flight, system, along_normal, along_tangent)
+      real(wp), intent(inout) :: load(:)
+      type(flight_type), intent(in) :: flight
+      type(system_type), intent(in) :: system
+      real(wp), intent(in) :: along_normal(:, :), along_tangent(:, :)
+      real(wp) :: resisted(size(load), size(load))
+      integer :: i, n
+
+      n = 0
+      do i = 1, size(flight%station)
+         associate (contact => system%contacts%item(flight%station(i)))
+            if (.not. (contact%is_acting .or. flight%is_met(i))) cycle
+            call take_off(load, resisted, n, along_normal(:, i))
+            if (contact%rubs) call take_off(load, resisted, n, along_tangent(:, i))
+         end associate
+      end do
    end subroutine resist
+
+   !> Take from the load what pulls along a motion that nothing has resisted so far.
+   pure subroutine take_off(load, resisted, n, motion)
+      real(wp), intent(inout) :: load(:), resisted(:, :)
+      integer, intent(inout) :: n
+      real(wp), intent(in) :: motion(:)
+      real(wp) :: new(size(motion))
+
+      if (n == size(load)) return
+      new = motion - matmul(resisted(:, :n), matmul(motion, resisted(:, :n)))
+      if (norm2(new) <= glancing*norm2(motion)) return
+      n = n + 1
+      resisted(:, n) = new/norm2(new)
+      load = load - dot_product(load, resisted(:, n))*resisted(:, n)
+   end subroutine take_off
+
+   !> Longest part of a flight: one that turns the tool by little.
+   pure function longest_part(flight, border) result(longest)
+      type(flight_type), intent(in) :: flight
+      type(border_type), intent(in) :: border
+      real(wp) :: longest
+      integer :: i
+
+      longest = huge(longest)
+      do i = 1, size(flight%component)
+         associate (j => flight%component(i))
+            if (border%direction(j) == direction_of_turning) longest = largest_angle*border%reach(j)
+         end associate
+      end do
+   end function longest_part
 
 end module coulter_step_landing

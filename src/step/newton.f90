@@ -26,7 +26,8 @@ module coulter_step_newton
       logical :: is_nearly_singular = .false.
       !> Did round-off end the iteration, with a residual above the tolerance?
       logical :: is_limited_by_round_off = .false.
-      !> Have the contacts of the last step predicted those of the first iteration?
+      !> Are the forces at hand those of predicted contacts: those of the last step before the first
+      !> iteration, or those on which free tools have landed?
       logical :: has_predicted = .false.
       !> May a failure be due to smooth contacts at first?
       logical :: may_begin_again = .false.
@@ -77,6 +78,7 @@ contains
       call begin(newton, system, model)
       round = 0
       do while (.not. allocated(newton%failure))
+         if (system%border%n > 0) call land(newton, system, model)
          call measure(newton, system)
          call judge(newton, model, is_done)
          if (allocated(newton%failure)) then
@@ -111,7 +113,6 @@ contains
       type(newton_type), intent(inout) :: newton
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
-      logical :: has_landed
 
       if (system%has_friction) newton%has_predicted = &
          any(system%contacts%item(:system%contacts%n)%was_acting)
@@ -119,14 +120,22 @@ contains
       newton%may_begin_again = system%is_smooth
       system%is_predicting = newton%has_predicted
       call evaluate(newton, system, model, newton%unknowns)
-      call land_free_tools(system, has_landed)
-      if (has_landed .and. .not. allocated(newton%failure)) then
-         newton%has_predicted = .true.
-         system%is_predicting = .true.
-         call evaluate(newton, system, model, newton%unknowns)
-      end if
       system%is_predicting = .false.
    end subroutine begin
+
+   !> Let free tools land that nothing holds; what they land on is predicted to act.
+   subroutine land(newton, system, model)
+      type(newton_type), intent(inout) :: newton
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+      logical :: has_changed
+
+      call land_free_tools(system, model%grid%smallest_spacing(), &
+                           newton%unknowns(system%dofs%n_dofs + 1:), has_changed)
+      if (.not. has_changed) return
+      newton%has_predicted = .true.
+      call evaluate(newton, system, model, newton%unknowns)
+   end subroutine land
 
    !> Is equilibrium near?
    pure function is_near(newton) result(answer)
@@ -363,8 +372,8 @@ contains
          deallocate (newton%failure)
       end do
       ! a prediction is not compared with what it predicts
-      is_searching = system%contacts%n > 0
-      if (newton%n_iterations == 0) is_searching = is_searching .and. .not. newton%has_predicted
+      is_searching = system%contacts%n > 0 .and. .not. newton%has_predicted
+      newton%has_predicted = .false.
       if (is_searching) call search_line(newton, system, model, share)
       if (allocated(newton%failure)) return
       newton%unknowns = newton%unknowns + share*newton%correction
