@@ -5,21 +5,13 @@
 !> sums over the forces and tangents of the stations (theory, section 4).
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_border
-   use coulter_algebra_solver, only: solver_type
-   use coulter_algebra_sparse, only: pattern_type
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: boundary_type
    use coulter_boundary_motion, only: crosswise, motion_type, turn_matrix
-   use coulter_step_dofs, only: dofs_type, reduce
    implicit none(type, external)
    private
    public :: border_type, tool_load_type, new_border, clear_border, add_station, set_motion, &
-      solve_bordered, load_on, mode_at, direction_of_turning
-
-   !> Pivots below this share of the tangents of the stations vanish.
-   real(wp), parameter :: smallest_pivot = epsilon(1.0_wp)
-   !> Loads below this share of the largest are round-off.
-   real(wp), parameter :: negligible = 1.0e-9_wp
+      load_on, mode_at, direction_of_turning
 
    !> Direction that stands for the rotation, after both translations.
    integer, parameter :: direction_of_turning = 3
@@ -196,51 +188,52 @@ contains
       !> Force of the station on the vertices as it stands in the residual, and its tangent, shape
       !> (component, vertex, component, vertex).
       real(wp), intent(in) :: force(2, 4), stiffness(2, 4, 2, 4)
-      real(wp) :: mode(8, border%n), matrix(8, 8), by_motion(8), turned(8), row(8)
-      integer :: i, j, v
+      real(wp) :: mode(8), matrix(8, 8), by_motion(8), row(8), turned(8)
+      integer :: j, v
 
       matrix = reshape(stiffness, [8, 8])
-      turned = reshape([(crosswise(force(:, v)), v=1, 4)], [8])
-      do j = 1, border%n
-         mode(:, j) = reshape([(mode_at(border, j, position(:, v)), v=1, 4)], [8])
-      end do
       do j = 1, border%n
          if (border%boundary(j) /= boundary) cycle
-         border%unbalanced(j) = border%unbalanced(j) + dot_product(mode(:, j), reshape(force, [8]))
-         by_motion = -matmul(matrix, mode(:, j))
-         row = matmul(mode(:, j), matrix)
-         if (border%direction(j) == direction_of_turning) then
-            by_motion = by_motion + turned/border%reach(j)
-            row = row - turned/border%reach(j)
-         end if
-         call add_at_corners(by_motion, border%corner_column(:, :, j))
-         call add_at_corners(row, border%corner_row(:, :, j))
-         do i = 1, border%n
-            if (border%boundary(i) /= boundary) cycle
-            associate (entry => border%block(i, j))
-               entry = entry + dot_product(mode(:, i), by_motion)
-               ! the pivot moves with the tool
-               if (border%direction(i) == direction_of_turning &
-                   .and. border%direction(j) /= direction_of_turning) &
-                  entry = entry + dot_product(mode(:, j), turned)/border%reach(i)
+         mode = reshape([(mode_at(border, j, position(:, v)), v=1, 4)], [8])
+         turned = 0.0_wp
+         if (border%direction(j) == direction_of_turning) turned = &
+            reshape([(crosswise(force(:, v)), v=1, 4)], [8])/border%reach(j)
+         border%unbalanced(j) = border%unbalanced(j) + dot_product(mode, reshape(force, [8]))
+         by_motion = turned - matmul(matrix, mode)
+         row = matmul(mode, matrix) - turned
+         do v = 1, 4
+            associate (at => corner(v), i => [2*v - 1, 2*v])
+               border%corner_column(:, at, j) = border%corner_column(:, at, j) + by_motion(i)
+               border%corner_row(:, at, j) = border%corner_row(:, at, j) + row(i)
             end associate
          end do
+         call add_to_block(border, j, position, force, reshape(by_motion, [2, 4]))
       end do
-
-   contains
-
-      !> Add what belongs to the vertices.
-      pure subroutine add_at_corners(at_vertices, at_corners)
-         real(wp), intent(in) :: at_vertices(8)
-         real(wp), intent(inout) :: at_corners(:, :)
-         integer :: k
-
-         do k = 1, 4
-            at_corners(:, corner(k)) = at_corners(:, corner(k)) + at_vertices(2*k - 1:2*k)
-         end do
-      end subroutine add_at_corners
-
    end subroutine add_station
+
+   !> How the balance of a tool changes with one of its own components.
+   pure subroutine add_to_block(border, j, position, force, by_motion)
+      type(border_type), intent(inout) :: border
+      !> The component.
+      integer, intent(in) :: j
+      real(wp), intent(in) :: position(2, 4), force(2, 4)
+      !> Derivative of the force by the component.
+      real(wp), intent(in) :: by_motion(2, 4)
+      real(wp) :: slope
+      integer :: i, v
+
+      do i = 1, border%n
+         if (border%boundary(i) /= border%boundary(j)) cycle
+         slope = sum([(dot_product(mode_at(border, i, position(:, v)), by_motion(:, v)), v=1, 4)])
+         if (border%direction(i) == direction_of_turning &
+             .and. border%direction(j) /= direction_of_turning) then
+            ! the pivot moves with the tool
+            slope = slope + sum([(dot_product(mode_at(border, j, position(:, v)), &
+                                              crosswise(force(:, v))), v=1, 4)])/border%reach(i)
+         end if
+         border%block(i, j) = border%block(i, j) + slope
+      end do
+   end subroutine add_to_block
 
    !> Free motions from the unknowns behind those of the nodes.
    pure subroutine set_motion(border, unknowns)
@@ -260,98 +253,5 @@ contains
          end associate
       end do
    end subroutine set_motion
-
-   !> Solve tangent times correction = - unbalanced, border included, by elimination of the nodes:
-   !> the nodes move with every free motion, and the rest is a small dense system.
-   subroutine solve_bordered(border, solver, pattern, values, dofs, unbalanced, correction, &
-                             has_failed, error)
-      !> Border, summed up; gets `unheld`.
-      type(border_type), intent(inout) :: border
-      !> Solver that has factorised the tangent of the nodes.
-      type(solver_type), intent(inout) :: solver
-      !> That tangent.
-      type(pattern_type), intent(in) :: pattern
-      real(wp), intent(in) :: values(:)
-      !> Numbering of the unknowns.
-      type(dofs_type), intent(in) :: dofs
-      !> Unbalanced force, free components last, shape (n_dofs + n).
-      real(wp), intent(in) :: unbalanced(:)
-      !> Correction, shape as this.
-      real(wp), intent(inout) :: correction(:)
-      !> Has the solver failed, or is a free tool held by nothing?
-      logical, intent(out) :: has_failed
-      !> Relative error that the correction may have.
-      real(wp), intent(in) :: error
-      real(wp) :: follows(dofs%n_dofs, border%n), row(dofs%n_dofs, border%n)
-      real(wp) :: schur(border%n, border%n), right(border%n), column(dofs%n_dofs)
-      integer :: j, n, unheld
-
-      n = dofs%n_dofs
-      border%unheld = 0
-      call solver%solve(pattern, values, -unbalanced(:n), correction(:n), has_failed, error)
-      if (has_failed .or. border%n == 0) return
-      do j = 1, border%n
-         call reduce_copy(dofs, border%column(:, :, j), column)
-         call reduce_copy(dofs, border%row(:, :, j), row(:, j))
-         follows(:, j) = 0.0_wp
-         call solver%solve(pattern, values, -column, follows(:, j), has_failed, error)
-         if (has_failed) return
-      end do
-      schur = border%block + matmul(transpose(row), follows)
-      right = -unbalanced(n + 1:) - matmul(transpose(row), correction(:n))
-      call solve_small(schur, right, [maxval(abs(border%block)), maxval(abs(border%load))], unheld)
-      has_failed = unheld > 0
-      if (has_failed) border%unheld = border%boundary(unheld)
-      if (has_failed) return
-      correction(:n) = correction(:n) + matmul(follows, right)
-      correction(n + 1:) = right
-   end subroutine solve_bordered
-
-   !> `reduce` on a copy.
-   pure subroutine reduce_copy(dofs, nodal, reduced)
-      type(dofs_type), intent(in) :: dofs
-      real(wp), intent(in) :: nodal(:, :)
-      real(wp), intent(out) :: reduced(:)
-      real(wp) :: copy(size(nodal, 1), size(nodal, 2))
-
-      copy = nodal
-      call reduce(dofs, copy, reduced)
-   end subroutine reduce_copy
-
-   !> Gaussian elimination with pivots. Where one vanishes, the component stays as it is if nothing
-   !> pulls at it; else `singular` says which it is.
-   pure subroutine solve_small(matrix, right, scale, singular)
-      real(wp), intent(inout) :: matrix(:, :), right(:)
-      !> Sizes of entries of the matrix and of loads.
-      real(wp), intent(in) :: scale(2)
-      !> First component that nothing holds, or 0.
-      integer, intent(out) :: singular
-      real(wp) :: share
-      integer :: i, k, n, pivot
-
-      n = size(right)
-      singular = 0
-      do k = 1, n
-         pivot = k - 1 + maxloc(abs(matrix(k:, k)), dim=1)
-         if (.not. abs(matrix(pivot, k)) > smallest_pivot*scale(1)) then
-            singular = merge(0, k, abs(right(k)) <= negligible*scale(2))
-            if (singular > 0) return
-            pivot = k
-            matrix(k, :) = 0.0_wp
-            matrix(k, k) = 1.0_wp
-            right(k) = 0.0_wp
-         end if
-         matrix([k, pivot], :) = matrix([pivot, k], :)
-         right([k, pivot]) = right([pivot, k])
-         do i = k + 1, n
-            share = matrix(i, k)/matrix(k, k)
-            matrix(i, :) = matrix(i, :) - share*matrix(k, :)
-            right(i) = right(i) - share*right(k)
-         end do
-      end do
-      do k = n, 1, -1
-         right(k) = (right(k) - dot_product(matrix(k, k + 1:), right(k + 1:)))/matrix(k, k)
-      end do
-   end subroutine solve_small
 
 end module coulter_step_border

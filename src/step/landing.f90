@@ -90,8 +90,8 @@ contains
       allocate (flight%way(size(flight%component)), flight%distance(size(flight%station)))
    end subroutine begin_flight
 
-   !> Where the load pulls the tool past the stations that act or have been met, and how far it is to
-   !> the others.
+   !> Where the load pulls the tool past the stations that act or have been met, and how far away
+   !> the others are.
    pure subroutine look_ahead(flight, system, spacing)
       type(flight_type), intent(inout) :: flight
       type(system_type), intent(in) :: system
@@ -109,8 +109,8 @@ contains
       if (.not. norm2(load) > negligible*size_of_load) return
       flight%way = load/norm2(load)
       do i = 1, size(flight%station)
-         associate (contact => system%contacts%item(flight%station(i)), &
-                    closing => -dot_product(flight%way, along_normal(:, i)), d => flight%distance(i))
+         associate (contact => system%contacts%item(flight%station(i)), d => flight%distance(i), &
+                    closing => -dot_product(flight%way, along_normal(:, i)))
             if (contact%is_acting .or. flight%is_met(i) .or. closing < glancing &
                 .or. place(i)%gap < -deepest*spacing) cycle
             d = max(place(i)%gap, 0.0_wp)/closing

@@ -7,7 +7,8 @@ module coulter_step_newton
    use coulter_model, only: model_type
    use coulter_model_observer, only: phase_assemble, phase_factorise, phase_solve
    use coulter_step_assembly, only: assemble
-   use coulter_step_border, only: set_motion, solve_bordered
+   use coulter_step_border, only: set_motion
+   use coulter_step_border_solve, only: solve_bordered
    use coulter_step_contact_state, only: augment_contacts
    use coulter_step_dofs, only: expand, reduce
    use coulter_step_landing, only: land_free_tools

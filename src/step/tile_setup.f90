@@ -106,12 +106,15 @@ contains
       call new_border(system%border, model%boundaries, system%cells%n_nodes, &
                       model%tiling%n_corners)
       do j = 1, system%border%n
-         associate (b => system%border%boundary(j), tool => model%boundaries(system%border%boundary(j)))
+         associate (b => system%border%boundary(j))
             motion = boundary_motion(model, b, system%start_time, system%end_time)
             system%border%motion(b)%centre = motion%centre + motion%translation
-            factor = load_factor(model, tool%load_table, system%end_time, tool%ramp_phase)
-            system%border%pull(j) = tool_load_type(factor*tool%load, factor*tool%moment, &
-                                                   matmul(turn_matrix(motion%rotation), tool%lever))
+            associate (tool => model%boundaries(b))
+               factor = load_factor(model, tool%load_table, system%end_time, tool%ramp_phase)
+               system%border%pull(j) = tool_load_type( &
+                  factor*tool%load, factor*tool%moment, &
+                  matmul(turn_matrix(motion%rotation), tool%lever))
+            end associate
          end associate
       end do
    end subroutine set_border
