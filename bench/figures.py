@@ -35,9 +35,11 @@ GRID_COLOUR = "#e2e5e8"
 LOOKS = {
     "default": ("default: tiles, Nitsche, 1 point", "#0b5394", "o"),
     "default_2x2": ("tiles, Nitsche, 2 x 2 points", "#5fa8e0", "s"),
+    "default_fbar": ("tiles with shared volumes, Nitsche, 2 x 2 points", "#7b68c8", "X"),
     "paper": ("mpm, implicit boundary of the paper", "#b45309", "^"),
     "penalty": ("mpm, penalty, delta = 0.05 h", "#d39b2a", "v"),
     "memory": ("mpm, penalty with memory", "#7a8f2a", "D"),
+    "mpm_fbar": ("mpm with F-bar, penalty with memory", "#b9c26a", "d"),
     "gimp": ("gimp, penalty with memory", "#2f7d5b", "P"),
     "gimp_fbar": ("gimp with F-bar, penalty with memory", "#7fbf9f", "*"),
     "kratos": ("Kratos, 2 x 2 points", "#8b1e5b", "x"),

@@ -27,14 +27,20 @@ PENALTY = "formulation = 'penalty', band_ratio = 0.05, "
 SCHEMES = {
     "default": Scheme(),
     "default_2x2": Scheme(points=2),
+    "default_fbar": Scheme(points=2, control="volumetric = 'fbar'"),
     "paper": Scheme(2, MPM, "formulation = 'implicit', ", bilateral=False),
     "penalty": Scheme(2, MPM, PENALTY, bilateral=False),
     "memory": Scheme(2, MPM, PENALTY + "memory = .true., ", bilateral=False),
+    "mpm_fbar": Scheme(
+        2, MPM + ", volumetric = 'fbar'", PENALTY + "memory = .true., ", bilateral=False
+    ),
     "gimp": Scheme(2, GIMP, PENALTY + "memory = .true., ", bilateral=False),
     "gimp_fbar": Scheme(
         2, GIMP + ", volumetric = 'fbar'", PENALTY + "memory = .true., ", bilateral=False
     ),
 }
+#: Schemes of a problem that names none.
+USUAL = ("default", "default_2x2", "paper", "penalty", "memory", "gimp", "gimp_fbar")
 
 
 @dataclass(frozen=True)
@@ -47,7 +53,7 @@ class Problem:
     error: Callable[[Results], float]
     cells: tuple[int, ...]  #: cells along the characteristic length
     steps: int
-    schemes: tuple[str, ...] = tuple(SCHEMES)
+    schemes: tuple[str, ...] = USUAL
     #: other numbers of steps, for some of the schemes
     other_steps: tuple[int, ...] = ()
     longest: int = 200  #: seconds that one run may take
@@ -82,13 +88,13 @@ def grid(origin: tuple, spacing: float, cells: tuple) -> str:
 
 
 def material(
-    modulus: float, ratio: float, density: float, corners: list, scheme: Scheme
+    modulus: float, ratio: float, density: float, corners: list, scheme: Scheme, more: str = ""
 ) -> str:
     """A polygon of one law."""
     flat = listed(*(x for corner in corners for x in corner))
     return (
         f"&law name = 'law', youngs_modulus = {listed(modulus)},"
-        f" poisson_ratio = {listed(ratio)} /\n"
+        f" poisson_ratio = {listed(ratio)}{more} /\n"
         f"&body name = 'body', law = 'law', density = {listed(density)},"
         f" points_per_cell = {scheme.points} /\n"
         f"&region body = 'body', polygon = {flat} /\n"
@@ -353,6 +359,36 @@ def wedge_error(results: Results) -> float:
     return abs(float(force) / WEDGE_FORCE - 1.0)
 
 
+# --- strip footing --------------------------------------------------------------------------------
+
+#: Prandtl's factor of bearing capacity.
+BEARING = 2.0 + math.pi
+
+
+def footing(n: int, steps: int, scheme: Scheme) -> str:
+    """Half of a smooth strip footing of half-width 1 on weightless clay of strength 1, to failure."""
+    h, more = 1.0 / n, held(scheme)
+    corners = [(0, 0), (5, 0), (5, 2.5), (0, 2.5)]
+    strength = ", model = 'tresca', shear_strength = 1.0"
+    push = f"{more}, displacement = 0.0, -4.0e-4"
+    return (
+        grid((-h, -h), h, (5 * n + 3, math.ceil(2.5 * n) + 3))
+        + material(1.0e5, 0.49, 0.0, corners, scheme, strength)
+        + boundary("base", "fixed", [(0, 0), (5, 0)], scheme, more)
+        + boundary("left", "roller", [(0, 2.5), (0, 0)], scheme, more)
+        + boundary("right", "roller", [(5, 0), (5, 2.5)], scheme, more)
+        + boundary("footing", "roller", [(1, 2.5), (0, 2.5)], scheme, push)
+        + ending(steps, scheme)
+    )
+
+
+def footing_error(results: Results) -> float:
+    """Relative error of the bearing capacity."""
+    last_frame(results)
+    where = results.boundary_names.index("footing")
+    return abs(-results.history["boundary_reactions"][-1, where, 1] / BEARING - 1.0)
+
+
 # --- all of them ----------------------------------------------------------------------------------
 
 STRESS = "relative error of the stress"
@@ -413,6 +449,15 @@ PROBLEMS = {
         20,
         TILES,
         (10,),
+    ),
+    "footing": Problem(
+        "Strip footing on clay",
+        "relative error of the bearing capacity",
+        footing,
+        footing_error,
+        (2, 4, 8, 16, 32),
+        8,
+        ("default", "default_2x2", "default_fbar", "mpm_fbar", "gimp_fbar"),
     ),
     "wedge": Problem(
         "Wedge of 20 degrees",
