@@ -5,6 +5,9 @@ and so are the tangents of friction and dilation angles (Zienkiewicz, Humpheson 
 Geotechnique 25 (1975) 671-689).
 
 scripts/strength_reduction.py --program build/release/coulter input/slope/slope.nml
+
+With --keep, decks and results of all factors stay in a directory: the last state of the smallest
+factor that falls shows the mechanism.
 """
 import argparse
 import math
@@ -77,10 +80,10 @@ class Scene:
         return displacement <= self.growth * self.first_displacement
 
 
-def find_factor(program, deck, low, high, accuracy, growth=None):
+def find_factor(program, deck, low, high, accuracy, growth=None, keep=None):
     """Bisect: the largest factor known to stand, and the smallest known not to."""
     with tempfile.TemporaryDirectory() as folder:
-        scene = Scene(program, deck, growth, folder)
+        scene = Scene(program, deck, growth, keep or folder)
         for bound, expected in ((low, True), (high, False)):
             if scene.stands(bound) != expected:
                 sys.exit(f"the scene {'falls' if expected else 'stands'} at the factor {bound};"
@@ -106,12 +109,15 @@ def main():
     parser.add_argument("--accuracy", type=float, default=0.01)
     parser.add_argument("--growth", type=float, help="the scene falls, too, when the largest"
                         " displacement exceeds this many times that at --low")
+    parser.add_argument("--keep", type=Path, help="directory for decks and results of all factors")
     options = parser.parse_args()
+    if options.keep:
+        options.keep.mkdir(parents=True, exist_ok=True)
     deck = options.deck.read_text(encoding="utf-8")
     if reduced(deck, 1.0)[1] == 0:
         sys.exit(f"{options.deck}: no strengths to reduce")
     low, high = find_factor(options.program, deck, options.low, options.high, options.accuracy,
-                            options.growth)
+                            options.growth, options.keep)
     print(f"factor of safety {0.5 * (low + high):.3f}, between {low:.4f} and {high:.4f}")
 
 

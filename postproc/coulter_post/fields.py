@@ -20,6 +20,8 @@ class Field:
 
     def of(self, frame: Frame) -> np.ndarray:
         """Values at the points of a frame, (n,)."""
+        if self.source not in frame.data:
+            raise ValueError(f"no law of this run has a {self.label}")
         return self.values(frame[self.source])
 
 
@@ -32,7 +34,7 @@ def _mises(stress: np.ndarray) -> np.ndarray:
     return np.sqrt(1.5 * (np.sum(deviator**2, axis=1) + 2.0 * np.sum(stress[:, 3:] ** 2, axis=1)))
 
 
-#: Fields by name: ux, uy, u, sxx ... sxy, p, mises, exx ... exy, j, body.
+#: Fields by name: ux, uy, u, sxx ... sxy, p, mises, exx ... exy, j, body, and state of laws.
 FIELDS: dict[str, Field] = {
     "ux": Field("x-displacement", "displacement", _component(0)),
     "uy": Field("y-displacement", "displacement", _component(1)),
@@ -43,6 +45,8 @@ FIELDS: dict[str, Field] = {
     "mises": Field("von Mises stress", "stress", _mises),
     "j": Field("volume ratio J", "volume_ratio", lambda data: data),
     "body": Field("body", "body", lambda data: data.astype(float)),
+    "plastic": Field("plastic strain", "plastic_strain", lambda data: data),
+    "pore": Field("excess pore pressure", "excess_pore_pressure", lambda data: data),
 }
 for _index, _name in enumerate(("xx", "yy", "zz", "xy")):
     FIELDS["s" + _name] = Field(
