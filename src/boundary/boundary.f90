@@ -67,6 +67,9 @@ module coulter_boundary
       real(wp) :: adhesion = 0.0_wp, shear_limit = huge(1.0_wp)
       !> Does what presses against it stick up to the largest shear, whatever the pressure?
       logical :: is_rough = .false.
+      !> Tension that it holds where material has touched it once, stress units, and opening over
+      !> which that fades, length units; 0: it is lost at once.
+      real(wp) :: tension_limit = 0.0_wp, tension_opening = 0.0_wp
       !> Is it a rigid tool, whose sharp corners press on edges of bodies as well, and is that a
       !> solid: a closed chain with the material outside?
       logical :: is_tool = .false., is_solid = .false.

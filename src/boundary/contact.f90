@@ -10,7 +10,12 @@ module coulter_boundary_contact
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
    private
+   public :: untouched, broken
    public :: contact_type, contacts_type, append_contact, recall_contacts, lag_after, end_slack
+
+   !> What stands for the opening of stations that have never touched, and of those that hold no
+   !> tension any more.
+   real(wp), parameter :: untouched = -1.0_wp, broken = huge(1.0_wp)
 
    !> One end of an outer edge against one face.
    type :: contact_type
@@ -42,6 +47,9 @@ module coulter_boundary_contact
       !> Traction (normal, tangential) that earlier rounds and steps left, for augmented
       !> formulations, and that of the current iteration, stress units.
       real(wp) :: memory(2) = 0.0_wp, traction(2) = 0.0_wp
+      !> Where the boundary holds tension: largest opening so far, before and after the step, length
+      !> units; `untouched` before they first meet, `broken` once nothing holds any more.
+      real(wp) :: opening = untouched, new_opening = untouched
       !> Is it settled for the step that the face reaches the corner? So it is beside sharp corners
       !> of tools, around which corners of bodies would come and go.
       logical :: is_settled = .false.

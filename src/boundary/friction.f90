@@ -2,17 +2,19 @@
 !>
 !> Normal traction t_n = n . S + k g, tangential one by a stick-slip return mapping from the place
 !> where the station sticks in the frame of the face; S is the traction of the material (Nitsche).
-!> Tension positive: what presses has t_n < 0. Theory, section 4.
+!> Tension positive: what presses has t_n < 0. Where a face holds tension, t_n is cut off. Theory,
+!> section 4.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_boundary_friction
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: boundary_type
+   use coulter_boundary_contact, only: broken
    use coulter_boundary_face, only: place_type
    implicit none(type, external)
    private
-   public :: friction_type, rub_type, press, rub, shear_capacity, friction_of, outer
+   public :: friction_type, rub_type, press, cut_off, rub, shear_capacity, friction_of, outer
 
-   !> Shear that a face can carry.
+   !> Shear and tension that a face can carry.
    type :: friction_type
       !> Coefficient of Coulomb friction.
       real(wp) :: coefficient = 0.0_wp
@@ -20,6 +22,8 @@ module coulter_boundary_friction
       real(wp) :: adhesion = 0.0_wp, limit = 0.0_wp
       !> Does the face stick at any pressure, up to the limit?
       logical :: is_rough = .false.
+      !> Tension that it holds, stress units, and opening over which that fades, length units.
+      real(wp) :: tension = 0.0_wp, opening = 0.0_wp
    end type friction_type
 
    !> What a station answers to its place and to the traction of the material.
@@ -29,6 +33,8 @@ module coulter_boundary_friction
       !> The same as a vector, and its derivatives by the place of the station and by S, shape
       !> (component, component).
       real(wp) :: vector(2) = 0.0_wp, by_place(2, 2) = 0.0_wp, by_stress(2, 2) = 0.0_wp
+      !> Derivatives of the normal traction by the place and by S.
+      real(wp) :: normal_by_place(2) = 0.0_wp, normal_by_stress(2) = 0.0_wp
       !> Sign of the traction while it slips, 0 while it sticks or is smooth.
       integer :: slip = 0
       !> Does it stick?
@@ -44,7 +50,7 @@ contains
       type(friction_type) :: friction
 
       friction = friction_type(boundary%friction, boundary%adhesion, boundary%shear_limit, &
-                               boundary%is_rough)
+                               boundary%is_rough, boundary%tension_limit, boundary%tension_opening)
    end function friction_of
 
    !> Normal part: traction, and its share of the derivatives.
@@ -58,14 +64,60 @@ contains
       !> Penalty stiffness k, stress per length.
       real(wp), intent(in) :: penalty
 
-      associate (n => place%normal, t => place%tangent)
-         answer%traction(1) = dot_product(n, material) + penalty*place%gap
-         answer%vector = answer%traction(1)*n
-         answer%by_place = outer(n, normal_slope(place, material, penalty)) &
-            + answer%traction(1)*place%curvature*outer(t, t)
-         answer%by_stress = outer(n, n)
-      end associate
+      answer%traction(1) = dot_product(place%normal, material) + penalty*place%gap
+      ! the normal turns on arcs
+      answer%normal_by_place = penalty*place%normal &
+         + place%curvature*dot_product(place%tangent, material)*place%tangent
+      answer%normal_by_stress = place%normal
+      call along_normal(answer, place)
    end subroutine press
+
+   !> Normal traction as a vector.
+   pure subroutine along_normal(answer, place)
+      type(rub_type), intent(inout) :: answer
+      type(place_type), intent(in) :: place
+
+      associate (n => place%normal, t => place%tangent)
+         answer%vector = answer%traction(1)*n
+         answer%by_place = outer(n, answer%normal_by_place) &
+            + answer%traction(1)*place%curvature*outer(t, t)
+         answer%by_stress = outer(n, answer%normal_by_stress)
+      end associate
+   end subroutine along_normal
+
+   !> Cut the tension off that a face holds, to be called after `press`: its limit, which falls in
+   !> proportion to the largest opening, or all at once after a step that has reached it.
+   pure subroutine cut_off(answer, place, friction, opening, new_opening, holds)
+      !> Answer to limit.
+      type(rub_type), intent(inout) :: answer
+      !> Place of the station relative to the face.
+      type(place_type), intent(in) :: place
+      !> What the face can carry.
+      type(friction_type), intent(in) :: friction
+      !> Largest opening before the step and with this answer, length units.
+      real(wp), intent(in) :: opening
+      real(wp), intent(out) :: new_opening
+      !> Does the face hold any tension?
+      logical, intent(out) :: holds
+      real(wp) :: limit, slope
+
+      new_opening = opening
+      limit = merge(friction%tension, 0.0_wp, opening < broken)
+      slope = 0.0_wp
+      if (friction%opening > 0.0_wp) then
+         new_opening = max(opening, place%gap)
+         limit = friction%tension*max(0.0_wp, 1.0_wp - new_opening/friction%opening)
+         if (place%gap > opening .and. limit > 0.0_wp) slope = -friction%tension/friction%opening
+      end if
+      holds = limit > 0.0_wp
+      if (answer%traction(1) <= limit) return
+      if (.not. limit > 0.0_wp .or. .not. friction%opening > 0.0_wp) new_opening = broken
+      if (.not. holds) return
+      answer%traction(1) = limit
+      answer%normal_by_place = slope*place%normal
+      answer%normal_by_stress = 0.0_wp
+      call along_normal(answer, place)
+   end subroutine cut_off
 
    !> Tangential part, to be called after `press`: sticks up to the capacity, then slips.
    pure subroutine rub(answer, place, material, penalty, lag, friction, forced_slip)
@@ -101,8 +153,8 @@ contains
             by_stress = t
          else
             answer%traction(2) = real(answer%slip, wp)*capacity
-            by_place = real(answer%slip, wp)*slope*normal_slope(place, material, penalty(1))
-            by_stress = real(answer%slip, wp)*slope*n
+            by_place = real(answer%slip, wp)*slope*answer%normal_by_place
+            by_stress = real(answer%slip, wp)*slope*answer%normal_by_stress
          end if
          answer%vector = answer%vector + answer%traction(2)*t
          answer%by_place = answer%by_place + outer(t, by_place) &
@@ -131,16 +183,6 @@ contains
          if (coulomb > 0.0_wp) slope = -friction%coefficient
       end associate
    end subroutine shear_capacity
-
-   !> Derivative of the normal traction by the place; the normal turns on arcs.
-   pure function normal_slope(place, material, penalty) result(slope)
-      type(place_type), intent(in) :: place
-      real(wp), intent(in) :: material(2), penalty
-      real(wp) :: slope(2)
-
-      slope = penalty*place%normal &
-         + place%curvature*dot_product(place%tangent, material)*place%tangent
-   end function normal_slope
 
    !> Dyadic product.
    pure function outer(first, second) result(product)

@@ -19,9 +19,9 @@ module coulter_deck_boundaries
    !> Widest band over the spacing at which the coupling term K2 is safe: at 0.1 Newton converges,
    !> to stresses that are wrong by a third (theory, section 3).
    real(wp), parameter :: widest_coupled_band = 1.0e-2_wp
-   !> Variables of shear on boundaries.
-   character(len=*), parameter :: friction_variables(*) = [character(len=11) :: &
-      "friction", "adhesion", "shear_limit", "rough"]
+   !> Variables of shear and tension on boundaries.
+   character(len=*), parameter :: friction_variables(*) = [character(len=15) :: &
+      "friction", "adhesion", "shear_limit", "rough", "tension_limit", "tension_opening"]
 
 contains
 
@@ -174,7 +174,7 @@ contains
       call refuse(deck, group, "memory", "belongs to 'implicit' and 'penalty'; tiles need none")
    end subroutine read_contact
 
-   !> Shear on rollers.
+   !> Shear and tension on rollers.
    subroutine read_friction(deck, group, boundary)
       !> Scanned deck, which notes faults.
       type(deck_type), intent(inout) :: deck
@@ -195,6 +195,14 @@ contains
       call get_value(deck, group, "adhesion", boundary%adhesion)
       call get_value(deck, group, "shear_limit", boundary%shear_limit)
       call get_value(deck, group, "rough", boundary%is_rough)
+      call get_value(deck, group, "tension_limit", boundary%tension_limit)
+      call get_value(deck, group, "tension_opening", boundary%tension_opening)
+      if (boundary%is_bilateral) then
+         call refuse(deck, group, "tension_limit", "stands beside `bilateral`, which holds any" &
+                     //" tension")
+      else if (.not. boundary%tension_limit > 0.0_wp) then
+         call refuse(deck, group, "tension_opening", "needs `tension_limit`")
+      end if
       if (boundary%has_friction() .or. .not. is_given(deck, group, "shear_limit")) return
       call blame(deck, group, "shear_limit", "limits no shear: give `friction`, `adhesion` or" &
                  //" `rough`")

@@ -200,6 +200,10 @@ module coulter_deck_schema
          "cpdi2, roller: largest shear, such as a share of the undrained strength"), &
       variable_rule_type("boundary", "rough", "logical", 1, 1, "", ".false.", "", &
          "cpdi2, roller: does what presses on it stick, up to `shear_limit`?"), &
+      variable_rule_type("boundary", "tension_limit", "real", 1, 1, "stress", "0.0", ">= 0", &
+         "cpdi2, roller: tension that it holds where material has touched it, until it opens"), &
+      variable_rule_type("boundary", "tension_opening", "real", 1, 1, "length", "0.0", ">= 0", &
+         "cpdi2, roller: opening over which that tension fades; 0: it is lost at once"), &
       variable_rule_type("boundary", "band_ratio", "real", 1, 1, "", "(by formulation)", &
          "> 0 <= 1", "penalty band over the spacing: 0.1 nitsche, 0.02 augmented, " &
          //"5.0e-6 implicit (at most 0.01), penalty"), &
@@ -272,6 +276,10 @@ module coulter_deck_schema
          "largest shear, such as a share of the undrained strength"), &
       variable_rule_type("tool", "rough", "logical", 1, 1, "", ".false.", "", &
          "does what presses on it stick, up to `shear_limit`?"), &
+      variable_rule_type("tool", "tension_limit", "real", 1, 1, "stress", "0.0", ">= 0", &
+         "tension that it holds where material has touched it, until it opens"), &
+      variable_rule_type("tool", "tension_opening", "real", 1, 1, "length", "0.0", ">= 0", &
+         "opening over which that tension fades; 0: it is lost at once"), &
       variable_rule_type("tool", "band_ratio", "real", 1, 1, "", "0.1", "> 0 <= 1", &
          "penalty band over the spacing")]
 

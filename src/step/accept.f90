@@ -10,6 +10,7 @@ module coulter_step_accept
    use coulter_model, only: model_type, point_moduli
    use coulter_points, only: point_state_type
    use coulter_points_tiling, only: tile_centroid
+   use coulter_step_bonds, only: remember_bonds
    use coulter_step_contact_state, only: whole_motion
    use coulter_step_hourglass, only: remember_hourglass
    use coulter_step_patch_assembly, only: displacement_gradient, unit_gradient
@@ -69,6 +70,7 @@ contains
       model%time = system%end_time
       system%last_stations = system%stations
       system%last_contacts = system%contacts
+      if (allocated(system%bonds)) call remember_bonds(system%contacts, system%bonds)
    end subroutine accept_step
 
    !> Trial state and motion of all points, those of left-out cells included.

@@ -8,9 +8,10 @@
 module coulter_step_contact_forces
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: boundary_type, formulation_nitsche
-   use coulter_boundary_contact, only: contact_type
+   use coulter_boundary_contact, only: contact_type, untouched
    use coulter_boundary_face, only: place_on, place_type
-   use coulter_boundary_friction, only: friction_of, friction_type, press, rub, rub_type
+   use coulter_boundary_friction, only: cut_off, friction_of, friction_type, press, rub, &
+      rub_type
    use coulter_boundary_ibm, only: band_stiffness_factor
    use coulter_boundary_motion, only: turn_matrix
    use coulter_boundary_tip, only: edge_place_type, place_on_edge
@@ -150,7 +151,7 @@ contains
       type(edge_place_type) :: place
       type(rub_type) :: answer
       real(wp) :: penalty(2), material(2), moved(2, 2), lag(2), by_gap(2, 2)
-      real(wp) :: by_vertices(2, 2, size(stiffness, 4)), angle
+      real(wp) :: by_vertices(2, 2, size(stiffness, 4)), angle, overlap
 
       moved = motion_of(system, contact)
       if (contact%tip > 0) then
@@ -164,8 +165,13 @@ contains
       angle = system%border%motion(contact%boundary)%rotation
       if (abs(angle) > 0.0_wp) call turn_material(-angle, material, by_vertices)
       call press(answer, place%place_type, material, penalty(1))
+      overlap = answer%traction(1)/penalty(1)
+      if (contact%opening > untouched) then
+         call hold_back(system, model%boundaries(contact%boundary), contact, place%place_type, &
+                        answer, overlap)
+      end if
       by_gap = answer%by_place
-      call decide(system, model, contact, place, answer%traction(1)/penalty(1))
+      call decide(system, model, contact, place, overlap)
       if (.not. contact%is_acting) return
       if (contact%is_fixed) then
          call rub(answer, place%place_type, material, penalty, lag, friction_type(), 0)
@@ -183,6 +189,23 @@ contains
       end if
       if (abs(angle) > 0.0_wp) call turn_station(angle, contact, force, stiffness)
    end subroutine add_contact
+
+   !> Tension of a station that has touched. A prediction opens nothing that has not opened before.
+   pure subroutine hold_back(system, boundary, contact, place, answer, overlap)
+      type(system_type), intent(in) :: system
+      type(boundary_type), intent(in) :: boundary
+      type(contact_type), intent(inout) :: contact
+      type(place_type), intent(in) :: place
+      type(rub_type), intent(inout) :: answer
+      !> Becomes that of a station that presses if it holds tension.
+      real(wp), intent(inout) :: overlap
+      logical :: holds
+
+      holds = system%is_predicting .and. .not. contact%opening > 0.0_wp
+      if (.not. holds) call cut_off(answer, place, friction_of(boundary), contact%opening, &
+                                    contact%new_opening, holds)
+      if (holds) overlap = -huge(overlap)
+   end subroutine hold_back
 
    !> Turn the traction of the material and its derivatives by the vertices.
    pure subroutine turn_material(angle, material, by_vertices)

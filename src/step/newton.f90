@@ -115,7 +115,7 @@ contains
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
 
-      if (system%has_friction) newton%has_predicted = &
+      if (system%has_friction .or. system%has_tension) newton%has_predicted = &
          any(system%contacts%item(:system%contacts%n)%was_acting)
       system%is_smooth = system%has_friction .and. .not. newton%has_predicted
       newton%may_begin_again = system%is_smooth

@@ -19,6 +19,7 @@ module coulter_step_retile
    use coulter_points_tiling, only: corner_gradients, new_tiling, remember_pulls, &
       tiling_type
    use coulter_points_transfer, only: restore_area, transfer_points
+   use coulter_step_bonds, only: carry_bonds
    use coulter_step_contact_state, only: whole_motion
    use coulter_step_report, only: add_warning
    use coulter_step_system, only: system_type
@@ -125,6 +126,7 @@ contains
       if (has_failed) return
       call carry_held_edges(held, tiling, system%held_edges, model%tiling)
       call carry_loaded_edges(loaded, tiling, system%loaded_edges, model%tiling)
+      if (allocated(system%bonds)) call carry_bonds(system%bonds, tiling, model%tiling)
       call move_alloc(held, system%held_edges)
       call move_alloc(loaded, system%loaded_edges)
       ! the next step begins with smooth contacts: predictions from edges that are gone do not hold

@@ -59,10 +59,13 @@ module coulter_step_system
       !> Contacts of the last accepted step, for tractions with memory.
       type(contacts_type) :: last_contacts
       type(held_edge_type), allocatable :: held_edges(:)
-      !> Does any boundary rub? Then a step begins with a prediction: what acted acts on, what stuck
-      !> sticks, what slipped slips on, whatever the tractions; or, when nothing acted yet, with
-      !> smooth contacts (theory, section 4).
-      logical :: has_friction = .false., is_predicting = .false., is_smooth = .false.
+      !> Largest openings of edges against boundaries that hold tension, length units, see
+      !> `coulter_step_bonds`; unallocated where none does.
+      real(wp), allocatable :: bonds(:, :, :)
+      !> Does any boundary rub, does any hold tension? Then a step begins with a prediction: what acted
+      !> acts on, what stuck sticks, what slipped slips on, what had not opened does not, whatever the
+      !> tractions; or, when nothing that rubs acted yet, with smooth contacts (theory, section 4).
+      logical :: has_friction = .false., has_tension = .false., is_predicting = .false., is_smooth = .false.
       !> Way of the fastest boundary since bodies were tiled, over the grid spacing.
       real(wp) :: way_since_tiling = 0.0_wp
       !> Edges that carry loads for good.

@@ -12,6 +12,7 @@ module coulter_step_tile_setup
    use coulter_model_control, only: small_cells_aggregate
    use coulter_points_tiling, only: corner_weights
    use coulter_boundary_motion, only: motion_type, turn_matrix
+   use coulter_step_bonds, only: recall_bonds
    use coulter_step_border, only: new_border, tool_load_type
    use coulter_step_dofs, only: number_dofs
    use coulter_step_ghost, only: find_ghost_faces, ghost_matrix, ghost_type
@@ -55,8 +56,14 @@ contains
       call build_contacts(system%contacts, model%boundaries, motion, model%tiling, &
                           system%held_edges, model%grid%smallest_spacing())
       system%has_friction = any(model%boundaries%has_friction())
-      if (system%has_friction .or. any(model%boundaries%formulation == formulation_augmented)) then
+      system%has_tension = any(model%boundaries%tension_limit > 0.0_wp)
+      if (system%has_friction .or. system%has_tension &
+          .or. any(model%boundaries%formulation == formulation_augmented)) then
          call recall_contacts(system%contacts, system%last_contacts, motion, model%tiling)
+      end if
+      if (system%has_tension) then
+         call recall_bonds(system%contacts, system%bonds, model%boundaries, model%tiling, &
+                           model%grid%smallest_spacing())
       end if
       call find_stabilised_faces(system, model)
    end subroutine find_tile_participants

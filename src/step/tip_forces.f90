@@ -28,7 +28,7 @@ contains
 
       associate (n => place%normal, t => place%tangent)
          ! the tip stays where it is: its foot has no component along the edge
-         across = -dot_product(t, material)
+         across = -dot_product(t, material)*dot_product(n, answer%normal_by_stress)
          along = 0.0_wp
          if (answer%slip /= 0) then
             call shear_capacity(friction_of(boundary), answer%traction(1), capacity, by_normal)
