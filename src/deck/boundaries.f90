@@ -200,8 +200,8 @@ contains
       if (boundary%is_bilateral) then
          call refuse(deck, group, "tension_limit", "stands beside `bilateral`, which holds any" &
                      //" tension")
-      else if (.not. boundary%tension_limit > 0.0_wp) then
-         call refuse(deck, group, "tension_opening", "needs `tension_limit`")
+      else if (boundary%tension_opening > 0.0_wp .and. .not. boundary%tension_limit > 0.0_wp) then
+         call blame(deck, group, "tension_opening", "needs `tension_limit`")
       end if
       if (boundary%has_friction() .or. .not. is_given(deck, group, "shear_limit")) return
       call blame(deck, group, "shear_limit", "limits no shear: give `friction`, `adhesion` or" &

@@ -40,8 +40,9 @@ contains
             if (.not. boundary%tension_limit > 0.0_wp) cycle
             contact%opening = bonds(slot_of(contact), contact%edge, contact%boundary)
             if (.not. contact%opening > untouched) then
-               if (abs(first_gap(contact, boundary, tiling)) <= closed*spacing) &
+               if (abs(first_gap(contact, boundary, tiling)) <= closed*spacing) then
                   contact%opening = 0.0_wp
+               end if
             end if
             contact%was_acting = contact%was_acting .or. .not. abs(contact%opening) > 0.0_wp
          end associate
@@ -60,7 +61,8 @@ contains
 
       ends = tiling%position(:, [contact%corner, contact%other_corner])
       if (contact%tip > 0) then
-         associate (on_edge => place_on_edge(ends - spread(boundary%vertices(:, contact%tip), 2, 2)))
+         ends = ends - spread(boundary%vertices(:, contact%tip), 2, 2)
+         associate (on_edge => place_on_edge(ends))
             gap = on_edge%gap
          end associate
       else

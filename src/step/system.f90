@@ -62,10 +62,12 @@ module coulter_step_system
       !> Largest openings of edges against boundaries that hold tension, length units, see
       !> `coulter_step_bonds`; unallocated where none does.
       real(wp), allocatable :: bonds(:, :, :)
-      !> Does any boundary rub, does any hold tension? Then a step begins with a prediction: what acted
-      !> acts on, what stuck sticks, what slipped slips on, what had not opened does not, whatever the
-      !> tractions; or, when nothing that rubs acted yet, with smooth contacts (theory, section 4).
-      logical :: has_friction = .false., has_tension = .false., is_predicting = .false., is_smooth = .false.
+      !> Does any boundary rub, does any hold tension? Then a step begins with a prediction: what
+      !> acted acts on, what stuck sticks, what slipped slips on, what had not opened does not,
+      !> whatever the tractions; or, when nothing that rubs acted yet, with smooth contacts (theory,
+      !> section 4).
+      logical :: has_friction = .false., has_tension = .false.
+      logical :: is_predicting = .false., is_smooth = .false.
       !> Way of the fastest boundary since bodies were tiled, over the grid spacing.
       real(wp) :: way_since_tiling = 0.0_wp
       !> Edges that carry loads for good.
