@@ -7,6 +7,7 @@ module coulter_base_tensor
    implicit none(type, external)
    private
    public :: log_strain_plane, log_strain_tangent_plane, finger_of_log_strain_plane, inverse_2d
+   public :: equivalent_stress
 
 contains
 
@@ -122,5 +123,16 @@ contains
          slope = (1.0_wp + ratio**2*(1.0_wp/3.0_wp + ratio**2*(0.2_wp + ratio**2/7.0_wp)))/mean
       end if
    end function logarithm_slope
+
+   !> Von Mises' equivalent stress: sqrt(3/2) times the norm of the deviator.
+   pure function equivalent_stress(stress) result(equivalent)
+      !> Stress xx, yy, zz, xy.
+      real(wp), intent(in) :: stress(4)
+      real(wp) :: equivalent
+      real(wp) :: deviator(3)
+
+      deviator = stress(:3) - sum(stress(:3))/3.0_wp
+      equivalent = sqrt(1.5_wp*(sum(deviator**2) + 2.0_wp*stress(4)**2))
+   end function equivalent_stress
 
 end module coulter_base_tensor

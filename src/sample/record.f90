@@ -3,6 +3,7 @@
 module coulter_sample_record
    use coulter_base_error, only: error_type, fatal_error
    use coulter_base_kinds, only: wp
+   use coulter_base_tensor, only: equivalent_stress
    use coulter_law, only: law_type
    use coulter_sample, only: sample_type
    use coulter_sample_state, only: sample_state_type
@@ -59,13 +60,12 @@ contains
       type(sample_state_type), intent(in) :: state
       !> Newton corrections of the increment.
       integer, intent(in) :: n_iterations
-      real(wp) :: deviator(3), void_ratio(1)
+      real(wp) :: void_ratio(1)
       real(wp), allocatable :: row(:)
 
-      deviator = state%stress(:3) - sum(state%stress(:3))/3.0_wp
       row = [real(stage, wp), state%time, state%strain, state%stress, &
              -sum(state%stress(:3))/3.0_wp, &
-             sqrt(1.5_wp*(sum(deviator**2) + 2.0_wp*state%stress(4)**2)), sum(state%strain(:3)), &
+             equivalent_stress(state%stress), sum(state%strain(:3)), &
              real(n_iterations, wp)]
       void_ratio = (1.0_wp + record%void_ratio)*state%volume_ratio() - 1.0_wp
       if (record%void_ratio >= 0.0_wp) row = [row, void_ratio]

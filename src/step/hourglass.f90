@@ -6,6 +6,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_hourglass
    use coulter_base_kinds, only: wp
+   use coulter_base_tensor, only: equivalent_stress
    use coulter_model, only: model_type, point_moduli
    use coulter_points_tiling, only: current_hourglass
    use coulter_step_tile_map, only: tile_map_type
@@ -114,15 +115,5 @@ contains
       stiffness = model%control%hourglass_ratio*16.0_wp/3.0_wp*shear_modulus &
          *(lame_lambda + shear_modulus)/(lame_lambda + 2.0_wp*shear_modulus)
    end function hourglass_stiffness
-
-   !> Von Mises' equivalent stress: sqrt(3/2) times the norm of the deviator.
-   pure function equivalent_stress(stress) result(equivalent)
-      real(wp), intent(in) :: stress(4)
-      real(wp) :: equivalent
-      real(wp) :: deviator(3)
-
-      deviator = stress(:3) - sum(stress(:3))/3.0_wp
-      equivalent = sqrt(1.5_wp*(sum(deviator**2) + 2.0_wp*stress(4)**2))
-   end function equivalent_stress
 
 end module coulter_step_hourglass

@@ -3,6 +3,7 @@
 module coulter_step_tile_setup
    use coulter_algebra_sparse, only: add_element_matrix, joined
    use coulter_base_kinds, only: wp
+   use coulter_base_tensor, only: equivalent_stress
    use coulter_boundary, only: formulation_augmented
    use coulter_boundary_contact, only: recall_contacts
    use coulter_boundary_contact_search, only: build_contacts
@@ -23,6 +24,9 @@ module coulter_step_tile_setup
    implicit none(type, external)
    private
    public :: find_tile_participants, number_tile_system
+
+   !> Strain of a step in flow beyond which ghost penalties do not stiffen any more.
+   real(wp), parameter :: ghost_strain = 0.01_wp
 
 contains
 
@@ -156,7 +160,35 @@ contains
          call point_moduli(model, tile, lame_lambda, shear_modulus)
          system%ghost_stiffness(f) = 2.0_wp*model%control%ghost_ratio*shear_modulus
       end do
+      if (allocated(model%points%has_flowed)) call soften_faces(system, model)
    end subroutine find_stabilised_faces
+
+   !> Around material that flowed in the last step, penalties take no more than the secant modulus
+   !> of its stress, q/(3 strain): else mechanisms that break through the outline of stiff soil
+   !> would find their resistance in them.
+   pure subroutine soften_faces(system, model)
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+      real(wp) :: modulus(system%cells%n_nodes), secant
+      integer :: p, v, f
+
+      modulus = huge(1.0_wp)
+      do p = 1, model%points%n_points
+         if (.not. model%points%has_flowed(p)) cycle
+         secant = equivalent_stress(model%points%converged%kirchhoff_stress(:, p)) &
+            /(3.0_wp*ghost_strain)
+         do v = 1, 4
+            associate (node => system%map%node(:, model%tiling%corner(v, p)))
+               modulus(node) = min(modulus(node), secant)
+            end associate
+         end do
+      end do
+      do f = 1, system%ghost%n_faces
+         secant = minval(modulus([system%ghost%node(:, :, f)]))
+         system%ghost_stiffness(f) = min(system%ghost_stiffness(f), &
+                                         2.0_wp*model%control%ghost_ratio*secant)
+      end do
+   end subroutine soften_faces
 
    !> Unknowns of all tiles.
    subroutine couple_tiles(system, model)
