@@ -79,7 +79,7 @@ contains
       if (.not. allocated(item%law)) return
       call make_undrained(item, modulus, error)
       if (allocated(error)) call blame(deck, group, "water_bulk_modulus", &
-                                       "needs a law that is not a user material")
+                                       "must be positive")
    end subroutine read_water
 
    !> Values of the parameters that a model takes, unless the deck misses or misspells some.

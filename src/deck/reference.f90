@@ -81,7 +81,7 @@ contains
             //" | "//trim(law_models(i)%needs)//" | "//trim(law_models(i)%takes)//" |"
       end do
       write (unit, "(a)") "| `umat` | an Abaqus UMAT | library | constants n_state initial_state" &
-         //" material, youngs_modulus with poisson_ratio |"
+         //" umat_components material, youngs_modulus with poisson_ratio |"
    end subroutine write_law_models
 
    !> "0 or 1" -> "at most once".

@@ -50,8 +50,8 @@ module coulter_deck_schema
    character(len=*), parameter :: law_words = &
       "hencky houlsby von_mises tresca drucker_prager mohr_coulomb cam_clay umat"
    !> Parameters of user materials alone.
-   character(len=*), parameter :: umat_parameters(*) = [character(len=13) :: &
-      "library", "constants", "n_state", "initial_state", "material"]
+   character(len=*), parameter :: umat_parameters(*) = [character(len=15) :: &
+      "library", "constants", "n_state", "initial_state", "umat_components", "material"]
    integer, private :: i
    !> Longest text that a variable may hold.
    integer, parameter :: max_text = 120
@@ -119,6 +119,8 @@ module coulter_deck_schema
          "umat: number of state variables, NSTATV"), &
       variable_rule_type("law", "initial_state", "real", 1, 1000, "", "(zeros)", "", &
          "umat: the first state variables at the start; the others are zero"), &
+      variable_rule_type("law", "umat_components", "integer", 1, 1, "", "4", ">= 4 <= 6", &
+         "umat: stress components, NTENS: 4, or 6 for one that knows three dimensions only"), &
       variable_rule_type("law", "material", "text", 1, 1, "", "(name)", "", &
          "umat: name that the library is told, CMNAME")]
 

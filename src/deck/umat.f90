@@ -6,7 +6,8 @@ module coulter_deck_umat
    use coulter_base_text, only: to_text
    use coulter_deck_document, only: blame, deck_type
    use coulter_deck_values, only: demand, get_list, get_value, is_given
-   use coulter_law, only: law_item_type, new_umat, umat_settings_type, umat_type
+   use coulter_law, only: law_item_type, n_plane_umat, n_solid_umat, new_umat, umat_settings_type, &
+      umat_type
    implicit none(type, external)
    private
    public :: read_umat
@@ -60,6 +61,10 @@ contains
       call get_value(deck, group, "material", settings%material)
       call get_list(deck, group, "constants", settings%constants)
       if (.not. allocated(settings%constants)) allocate (settings%constants(0))
+      call get_value(deck, group, "umat_components", settings%n_components)
+      if (all([n_plane_umat, n_solid_umat] /= settings%n_components)) then
+         call blame(deck, group, "umat_components", "must be 4 or 6")
+      end if
       call get_value(deck, group, "n_state", n_state)
       call get_list(deck, group, "initial_state", first)
       allocate (settings%initial_state(n_state), source=0.0_wp)

@@ -6,7 +6,7 @@ module coulter_law_abstract
    implicit none(type, external)
    private
    public :: law_type, law_item_type, law_response_type, law_variable_type, law_verdict_type
-   public :: law_visit_type, n_plane
+   public :: law_sites_type, law_visit_type, n_plane
 
    !> Components of a symmetric tensor in plane strain and axisymmetry: xx, yy, zz, xy.
    integer, parameter :: n_plane = 4
@@ -23,6 +23,18 @@ module coulter_law_abstract
       real(wp) :: step_ratio = 0.5_wp
    end type law_verdict_type
 
+   !> Where the points of a step are and how far the run is, for laws that look at it.
+   type :: law_sites_type
+      !> Number of the phase, and of the increment in it.
+      integer :: phase = 1, increment = 1
+      !> Time at the start of the phase.
+      real(wp) :: phase_start = 0.0_wp
+      !> Places of the points at the start of the step, length units, shape (2, n_points).
+      real(wp), allocatable :: position(:, :)
+      !> Edges of squares of their volume then, length units, shape (n_points).
+      real(wp), allocatable :: length(:)
+   end type law_sites_type
+
    !> Where and when a law is asked; most laws do not look at it.
    type :: law_visit_type
       !> Time at the end of the step.
@@ -33,6 +45,8 @@ module coulter_law_abstract
       integer :: point = 0
       !> In-plane deformation gradient of the step.
       real(wp) :: deformation(2, 2) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
+      !> Where the points are; not associated when no law asks, or nobody knows.
+      type(law_sites_type), pointer :: sites => null()
       !> Where a law that fails may say why; not associated when nobody asks.
       type(law_verdict_type), pointer :: verdict => null()
    end type law_visit_type
@@ -72,6 +86,8 @@ module coulter_law_abstract
       logical :: is_symmetric = .true.
       !> Is the law elastic, so that the elastic strain always equals the trial strain?
       logical :: is_elastic = .true.
+      !> Does the law look at `visit%sites`?
+      logical :: needs_sites = .false.
       !> Does the law work on stress increments? Its elastic strain then starts at zero in every
       !> step, so that the trial strain is that of the step, and its stress turns with the step.
       logical :: is_incremental = .false.
@@ -80,7 +96,7 @@ module coulter_law_abstract
       procedure(moduli_interface), deferred :: elastic_moduli
       procedure(strain_interface), deferred :: elastic_strain
       procedure :: initial_state
-      procedure, nopass :: spatial_moduli
+      procedure :: spatial_moduli
    end type law_type
 
    !> A law of any kind, to be kept in arrays.
@@ -156,7 +172,8 @@ contains
 
    !> Moduli A_ijkl of the spatial tangent. Unless a law overrides it: the stress depends on the
    !> elastic strain alone.
-   pure subroutine spatial_moduli(finger, strain, response, moduli)
+   pure subroutine spatial_moduli(self, finger, strain, response, moduli)
+      class(law_type), intent(in) :: self
       !> Elastic trial left Cauchy-Green tensor xx, yy, zz, xy.
       real(wp), intent(in) :: finger(4)
       !> Its logarithmic strain xx, yy, zz, 2 xy.

@@ -2,8 +2,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_law
    use coulter_base_error, only: error_type
-   use coulter_law_abstract, only: law_item_type, law_response_type, law_type, law_variable_type, &
-      law_verdict_type, law_visit_type, n_plane
+   use coulter_law_abstract, only: law_item_type, law_response_type, law_sites_type, law_type, &
+      law_variable_type, law_verdict_type, law_visit_type, n_plane
    use coulter_law_cam_clay, only: cam_clay_model, cam_clay_type, new_cam_clay
    use coulter_law_drucker_prager, only: drucker_prager_model, drucker_prager_type, &
       new_drucker_prager
@@ -13,16 +13,16 @@ module coulter_law
    use coulter_law_parameters, only: has_word, law_model_type, law_parameter_type, law_parameters, &
       law_values_type
    use coulter_law_tresca, only: new_tresca, tresca_model
-   use coulter_law_umat, only: new_umat, umat_settings_type, umat_type
+   use coulter_law_umat, only: n_plane_umat, n_solid_umat, new_umat, umat_settings_type, umat_type
    use coulter_law_undrained, only: make_undrained
    use coulter_law_von_mises, only: new_von_mises, von_mises_model
    implicit none(type, external)
    private
    public :: law_item_type, law_response_type, law_type, law_variable_type, law_verdict_type
-   public :: law_visit_type, n_plane
+   public :: law_sites_type, law_visit_type, n_plane
    public :: law_model_type, law_models, law_parameter_type, law_parameters, law_values_type
    public :: hencky_type, new_hencky, new_law, has_word
-   public :: make_undrained, new_umat, umat_settings_type, umat_type
+   public :: make_undrained, n_plane_umat, n_solid_umat, new_umat, umat_settings_type, umat_type
 
    !> Kinds of law that are built from parameters alone.
    type(law_model_type), parameter :: law_models(*) = [hencky_model, houlsby_model, &

@@ -6,17 +6,18 @@
 !> Cauchy-Green tensor that the method offers is that of the step alone.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_law_umat
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use coulter_base_error, only: error_type, fatal_error
    use coulter_base_kinds, only: wp
    use coulter_base_text, only: to_text
    use coulter_law_abstract, only: law_response_type, law_type, law_variable_type, &
       law_verdict_type, law_visit_type, n_plane
    use coulter_law_spatial, only: add_spin_moduli, moduli_of_strain
-   use coulter_law_umat_library, only: call_umat, load_umat, umat_call_type
+   use coulter_law_umat_library, only: call_umat, load_umat, n_plane_umat, n_solid_umat, &
+      start_umat, umat_call_type
    implicit none(type, external)
    private
-   public :: umat_type, umat_settings_type, new_umat
+   public :: umat_type, umat_settings_type, new_umat, n_plane_umat, n_solid_umat
 
    !> What a deck says of a user material.
    type :: umat_settings_type
@@ -26,7 +27,9 @@ module coulter_law_umat
       character(len=:), allocatable :: material
       !> Constants of the material, shape (n_constants).
       real(wp), allocatable :: constants(:)
-      !> Its state variables at the start, shape (n_state).
+      !> Number of its stress components: 4, or 6 for one that knows three dimensions only.
+      integer :: n_components = n_plane_umat
+      !> Its state variables at the start, shape (n_state); SDVINI of the library may change them.
       real(wp), allocatable :: initial_state(:)
       !> Elastic constants that scale penalties and hourglass control; without Young's modulus they
       !> come from the material's tangent at zero strain and stress.
@@ -50,13 +53,15 @@ module coulter_law_umat
       procedure :: elastic_moduli => umat_moduli
       procedure :: elastic_strain => umat_strain
       procedure :: initial_state => umat_initial_state
-      procedure, nopass :: spatial_moduli => umat_spatial_moduli
+      procedure :: spatial_moduli => umat_spatial_moduli
    end type umat_type
 
    !> Behind the material's own state variables: logarithmic strain since the start, turned with the
    !> material; Cauchy stress; deformation gradient 11, 21, 12, 22, 33; volume ratio J, which
-   !> averages of the gradient would spoil. Results hold the last three in fields of their own.
-   integer, parameter :: at_strain = 0, at_stress = 4, at_gradient = 8, at_ratio = 13, n_kept = 14
+   !> averages of the gradient would spoil; shear stresses 13 and 23, if it has any. Results hold
+   !> stress, gradient and ratio in fields of their own.
+   integer, parameter :: at_strain = 0, at_stress = 4, at_gradient = 8, at_ratio = 13, &
+      at_across = 14, n_kept = 14
    !> The gradient at the start.
    real(wp), parameter :: identity(5) = [1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 1.0_wp]
    !> A step is not cut to less than this share at once, whatever the material asks for.
@@ -81,9 +86,11 @@ contains
       law%is_incremental = .true.
       law%first_own = settings%initial_state
       law%n_own = size(law%first_own)
-      law%n_state = law%n_own + n_kept
+      law%call%n_components = settings%n_components
+      law%n_state = law%n_own + n_kept + settings%n_components - n_plane_umat
+      law%needs_sites = .true.
       call name_variables(law)
-      call load_umat(settings%library, law%call%umat, error)
+      call load_umat(settings%library, law%call, error)
       if (allocated(error)) return
       law%constants = settings%constants
       law%call%material = settings%material
@@ -160,63 +167,85 @@ contains
       real(wp), target :: own(self%n_own), constants(size(self%constants))
       character(len=:), allocatable :: message
       real(wp) :: ratio
+      integer :: j
 
       own = state(:self%n_own)
       arguments = self%call
       arguments%state => own
       constants = self%constants
       arguments%constants => constants
-      call prepare_call(arguments, visit, trial_strain, state(self%n_own + 1:))
+      call prepare_call(arguments, trial_strain, visit%deformation, state(self%n_own + 1:))
+      call place_call(arguments, visit)
       ! in no time and without strain nothing happens
       if (visit%time_step > 0.0_wp .or. any(abs(trial_strain) > 0.0_wp)) then
          call call_umat(arguments, message)
       end if
       call judge(visit, arguments, message, response%has_failed)
       if (response%has_failed) return
-      ratio = exp(sum(trial_strain(:3)))
-      associate (kept => new_state(self%n_own + 1:))
-         new_state(:self%n_own) = own
-         kept(at_stress + 1:at_stress + 4) = arguments%stress
-         kept(at_strain + 1:at_strain + 4) = arguments%strain + trial_strain
-         kept(at_gradient + 1:) = [reshape(arguments%new_gradient(:2, :2), [4]), &
-                                   arguments%new_gradient(3, 3)]
-         ratio = ratio*state(self%n_own + at_ratio + 1)
-         kept(at_ratio + 1) = ratio
+      ratio = exp(sum(trial_strain(:3)))*state(self%n_own + at_ratio + 1)
+      associate (n => arguments%n_components)
+         do j = 1, n_plane
+            response%tangent(:, j) = ratio*arguments%jacobian(n*(j - 1) + 1:n*(j - 1) + n_plane)
+         end do
+         new_state = [own, arguments%strain(:n_plane) + trial_strain, arguments%stress(:n_plane), &
+                      [arguments%new_gradient(:2, :2)], arguments%new_gradient(3, 3), ratio, &
+                      arguments%stress(n_plane + 1:n)]
       end associate
-      response%stress = ratio*arguments%stress
-      response%tangent = ratio*arguments%jacobian
+      response%stress = ratio*arguments%stress(:n_plane)
       response%tangent(:, :3) = response%tangent(:, :3) + spread(response%stress, 2, 3)
       response%strain = 0.0_wp
    end subroutine update_umat
 
    !> What the material is told: tensors at the end of the step's rotation, F = V R.
-   pure subroutine prepare_call(arguments, visit, trial_strain, kept)
+   pure subroutine prepare_call(arguments, trial_strain, deformation, kept)
       type(umat_call_type), intent(inout) :: arguments
-      type(law_visit_type), intent(in) :: visit
-      real(wp), intent(in) :: trial_strain(n_plane), kept(n_kept)
+      real(wp), intent(in) :: trial_strain(n_plane)
+      !> In-plane deformation gradient of the step.
+      real(wp), intent(in) :: deformation(2, 2)
+      !> State variables behind the material's own.
+      real(wp), intent(in) :: kept(:)
       real(wp) :: r(3, 3), step(3, 3)
 
       step = 0.0_wp
-      step(:2, :2) = visit%deformation
+      step(:2, :2) = deformation
       step(3, 3) = exp(trial_strain(3))
       r = 0.0_wp
-      associate (f => visit%deformation)
+      associate (f => deformation)
          r(1, 1) = (f(1, 1) + f(2, 2))/hypot(f(1, 1) + f(2, 2), f(2, 1) - f(1, 2))
          r(2, 1) = (f(2, 1) - f(1, 2))/hypot(f(1, 1) + f(2, 2), f(2, 1) - f(1, 2))
       end associate
       r(:, 2) = [-r(2, 1), r(1, 1), 0.0_wp]
       r(3, 3) = 1.0_wp
       arguments%rotation = r
-      arguments%stress = turned(kept(at_stress + 1:at_stress + 4), r, 1.0_wp)
-      arguments%strain = turned(kept(at_strain + 1:at_strain + 4), r, 2.0_wp)
-      arguments%strain_increment = trial_strain
+      arguments%stress(:4) = turned(kept(at_stress + 1:at_stress + 4), r, 1.0_wp)
+      if (arguments%n_components == n_solid_umat) then
+         arguments%stress(5:) = matmul(r(:2, :2), kept(at_across + 1:))
+      end if
+      arguments%strain(:4) = turned(kept(at_strain + 1:at_strain + 4), r, 2.0_wp)
+      arguments%strain_increment(:4) = trial_strain
       arguments%old_gradient(:2, :2) = reshape(kept(at_gradient + 1:at_gradient + 4), [2, 2])
       arguments%old_gradient(3, 3) = kept(at_gradient + 5)
       arguments%new_gradient = matmul(step, arguments%old_gradient)
+   end subroutine prepare_call
+
+   !> Where and when the material is asked.
+   pure subroutine place_call(arguments, visit)
+      type(umat_call_type), intent(inout) :: arguments
+      type(law_visit_type), intent(in) :: visit
+
       arguments%time = visit%time - visit%time_step
       arguments%time_increment = visit%time_step
       arguments%point = visit%point
-   end subroutine prepare_call
+      if (.not. associated(visit%sites)) return
+      associate (sites => visit%sites)
+         arguments%time(1) = arguments%time(1) - sites%phase_start
+         arguments%step = sites%phase
+         arguments%increment = sites%increment
+         if (.not. allocated(sites%position)) return
+         arguments%position(:2) = sites%position(:, visit%point)
+         arguments%length = sites%length(visit%point)
+      end associate
+   end subroutine place_call
 
    !> Symmetric tensor xx, yy, zz, xy turned about the z axis; shear is `factor` times component xy.
    pure function turned(tensor, r, factor) result(image)
@@ -291,16 +320,33 @@ contains
       class(umat_type), intent(in) :: self
       !> Stress at the start.
       real(wp), intent(in) :: stress(n_plane)
-      !> Position: makes no difference.
+      !> Position, which SDVINI is told.
       real(wp), intent(in) :: position(2)
-      !> Own state of the deck, the stress, and no deformation.
+      !> Own state, the stress, and no deformation.
       real(wp), intent(out) :: state(self%n_state)
+      type(umat_call_type) :: arguments
+      real(wp), target :: own(self%n_own)
+      character(len=:), allocatable :: message
 
-      state = [self%first_own, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, stress, identity, 1.0_wp]
+      own = self%first_own
+      arguments = self%call
+      arguments%state => own
+      arguments%position(:2) = position
+      call start_umat(arguments, message)
+      ! the first update then says that this state is no number
+      if (allocated(message)) own = ieee_value(own, ieee_quiet_nan)
+      state = 0.0_wp
+      state(:self%n_own) = own
+      associate (kept => state(self%n_own + 1:))
+         kept(at_stress + 1:at_stress + 4) = stress
+         kept(at_gradient + 1:at_gradient + 5) = identity
+         kept(at_ratio + 1) = 1.0_wp
+      end associate
    end subroutine umat_initial_state
 
    !> See `law_type`: the stress of the start turns with the step.
-   pure subroutine umat_spatial_moduli(finger, strain, response, moduli)
+   pure subroutine umat_spatial_moduli(self, finger, strain, response, moduli)
+      class(umat_type), intent(in) :: self
       !> Left Cauchy-Green tensor of the step.
       real(wp), intent(in) :: finger(4)
       !> Its logarithmic strain.

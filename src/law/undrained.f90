@@ -13,8 +13,8 @@ module coulter_law_undrained
    private
    public :: undrained_type, make_undrained
 
-   !> A law around another. State: that of the skeleton, then ln J minus the trace of the elastic
-   !> strain, and the excess pore pressure.
+   !> A law around another. State: ln J minus the trace of the elastic strain, and the excess pore
+   !> pressure; then that of the skeleton.
    type, extends(law_type) :: undrained_type
       !> Law of the skeleton, in effective stress.
       class(law_type), allocatable :: skeleton
@@ -25,7 +25,11 @@ module coulter_law_undrained
       procedure :: elastic_moduli => undrained_moduli
       procedure :: elastic_strain => undrained_strain
       procedure :: initial_state => undrained_initial_state
+      procedure :: spatial_moduli => undrained_spatial_moduli
    end type undrained_type
+
+   !> State variables of the water, before those of the skeleton.
+   integer, parameter :: n_water = 2
 
 contains
 
@@ -39,31 +43,40 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(undrained_type), allocatable :: law
 
-      if (item%law%is_incremental) then
-         call fatal_error(error, "law "//item%law%name//": pore water needs a law in terms of" &
-                          //" elastic strain, which user materials are not")
-      else if (.not. bulk_modulus > 0.0_wp) then
+      if (.not. bulk_modulus > 0.0_wp) then
          call fatal_error(error, "law "//item%law%name//": the bulk modulus of the water must be" &
                           //" positive")
+         return
       end if
-      if (allocated(error)) return
       allocate (law)
       call move_alloc(item%law, law%skeleton)
       associate (skeleton => law%skeleton)
          law%name = skeleton%name
-         law%n_state = skeleton%n_state + 2
+         law%n_state = skeleton%n_state + n_water
          law%is_symmetric = skeleton%is_symmetric
          law%is_elastic = skeleton%is_elastic
-         allocate (law%variables(law%n_state))
-         if (skeleton%n_state > 0) law%variables(:skeleton%n_state) = skeleton%variables
-         law%variables(skeleton%n_state + 1) = law_variable_type( &
-            "inelastic_volume", "1", "ln J minus the trace of the elastic strain")
-         law%variables(skeleton%n_state + 2) = law_variable_type( &
-            "excess_pore_pressure", "stress", "excess pore pressure, positive in compression")
+         law%is_incremental = skeleton%is_incremental
+         law%needs_sites = skeleton%needs_sites
       end associate
+      call name_variables(law)
       law%bulk_modulus = bulk_modulus
       call move_alloc(law, item%law)
    end subroutine make_undrained
+
+   !> Say what the state variables are that results keep: they come first.
+   pure subroutine name_variables(law)
+      type(undrained_type), intent(inout) :: law
+      integer :: n
+
+      n = 0
+      if (allocated(law%skeleton%variables)) n = size(law%skeleton%variables)
+      allocate (law%variables(n_water + n))
+      law%variables(1) = law_variable_type( &
+         "inelastic_volume", "1", "ln J minus the trace of the elastic strain")
+      law%variables(2) = law_variable_type( &
+         "excess_pore_pressure", "stress", "excess pore pressure, positive in compression")
+      if (n > 0) law%variables(n_water + 1:) = law%skeleton%variables
+   end subroutine name_variables
 
    !> See `law_type`: the skeleton takes the strain, the water its trace.
    subroutine update_undrained(self, visit, trial_strain, state, response, new_state)
@@ -79,14 +92,13 @@ contains
       !> State variables at the end of the step.
       real(wp), intent(out) :: new_state(self%n_state)
       real(wp) :: volume
-      integer :: n
 
-      n = self%skeleton%n_state
-      call self%skeleton%update(visit, trial_strain, state(:n), response, new_state(:n))
+      call self%skeleton%update(visit, trial_strain, state(n_water + 1:), response, &
+                                new_state(n_water + 1:))
       if (response%has_failed) return
-      volume = sum(trial_strain(:3)) + state(n + 1)
-      new_state(n + 1) = volume - sum(response%strain(:3))
-      new_state(n + 2) = -self%bulk_modulus*volume
+      volume = sum(trial_strain(:3)) + state(1)
+      new_state(1) = volume - sum(response%strain(:3))
+      new_state(2) = -self%bulk_modulus*volume
       response%stress(:3) = response%stress(:3) + self%bulk_modulus*volume
       response%tangent(:3, :3) = response%tangent(:3, :3) + self%bulk_modulus
    end subroutine update_undrained
@@ -103,10 +115,8 @@ contains
       !> Shear modulus.
       real(wp), intent(out) :: shear_modulus
 
-      associate (n => self%skeleton%n_state)
-         call self%skeleton%elastic_moduli(effective(stress, state(n + 2)), state(:n), &
-                                           lame_lambda, shear_modulus)
-      end associate
+      call self%skeleton%elastic_moduli(effective(stress, state(2)), state(n_water + 1:), &
+                                        lame_lambda, shear_modulus)
       lame_lambda = lame_lambda + self%bulk_modulus
    end subroutine undrained_moduli
 
@@ -120,9 +130,7 @@ contains
       !> Logarithmic elastic strain.
       real(wp) :: strain(n_plane)
 
-      associate (n => self%skeleton%n_state)
-         strain = self%skeleton%elastic_strain(effective(stress, state(n + 2)), state(:n))
-      end associate
+      strain = self%skeleton%elastic_strain(effective(stress, state(2)), state(n_water + 1:))
    end function undrained_strain
 
    !> See `law_type`: no excess pressure, so that the stress at the start is effective.
@@ -136,13 +144,26 @@ contains
       real(wp), intent(out) :: state(self%n_state)
       real(wp) :: strain(n_plane)
 
-      associate (n => self%skeleton%n_state)
-         call self%skeleton%initial_state(stress, position, state(:n))
-         strain = self%skeleton%elastic_strain(stress, state(:n))
-         state(n + 1) = -sum(strain(:3))
-         state(n + 2) = 0.0_wp
-      end associate
+      call self%skeleton%initial_state(stress, position, state(n_water + 1:))
+      strain = self%skeleton%elastic_strain(stress, state(n_water + 1:))
+      state(1) = -sum(strain(:3))
+      state(2) = 0.0_wp
    end subroutine undrained_initial_state
+
+   !> See `law_type`: pressure does not turn, so that water changes nothing.
+   pure subroutine undrained_spatial_moduli(self, finger, strain, response, moduli)
+      class(undrained_type), intent(in) :: self
+      !> Elastic trial left Cauchy-Green tensor.
+      real(wp), intent(in) :: finger(4)
+      !> Its logarithmic strain.
+      real(wp), intent(in) :: strain(n_plane)
+      !> Total stress and tangent.
+      type(law_response_type), intent(in) :: response
+      !> Moduli A_ijkl.
+      real(wp), intent(out) :: moduli(2, 2, 2, 2)
+
+      call self%skeleton%spatial_moduli(finger, strain, response, moduli)
+   end subroutine undrained_spatial_moduli
 
    !> Effective stress.
    pure function effective(stress, pore_pressure)

@@ -11,6 +11,7 @@ module coulter_step_run
    use coulter_step, only: advance_step, prepare_system
    use coulter_step_phases, only: begin_phase
    use coulter_step_report, only: report_scene
+   use coulter_step_sites, only: open_sites, release_sites
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
@@ -34,19 +35,24 @@ contains
       allocate (system%verdict)
       call new_stopwatch(system%watch, n_phases)
       reported = 0.0_wp
+      call open_sites(system, model, 1)
       call describe_system(model, system, scene, error)
       if (.not. allocated(error)) then
          call observer%start(model, scene, error)
          do step = 1, size(model%schedule%end_time)
             if (allocated(error)) exit
             associate (phase => model%schedule%phase_of(step))
-               if (phase > model%schedule%phase_of(step - 1)) call begin_phase(model, system, phase)
+               if (phase > model%schedule%phase_of(step - 1)) then
+                  call begin_phase(model, system, phase)
+                  call open_sites(system, model, phase)
+               end if
             end associate
             call run_load_step(model, system, step, reported, observer, error)
          end do
          call observer%finish(model, error, system%watch%seconds - reported)
       end if
       call system%solver%release()
+      call release_sites(system)
       deallocate (system%verdict)
    end subroutine run_model
 
@@ -109,6 +115,7 @@ contains
             call fatal_error(error, failure_message(model, step, n_halvings - 1, failure))
             return
          end if
+         if (associated(system%sites)) system%sites%increment = system%sites%increment + 1
          report%step = step
          report%phase = model%schedule%phase_of(step)
          report%is_complete = model%time >= last_time

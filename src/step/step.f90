@@ -12,6 +12,7 @@ module coulter_step
    use coulter_step_report, only: report_step
    use coulter_step_retile, only: retile_if_distorted
    use coulter_step_point_setup, only: find_participants, number_system
+   use coulter_step_sites, only: place_sites
    use coulter_step_system, only: system_type
    use coulter_step_tile_setup, only: find_tile_participants, number_tile_system
    implicit none(type, external)
@@ -75,6 +76,7 @@ contains
       else
          call find_participants(system, model, first_outside)
       end if
+      call place_sites(system, model)
       call system%watch%stop()
       if (first_outside > 0) then
          failure = "point "//to_text(first_outside)//" is outside the grid"

@@ -12,7 +12,7 @@ module coulter_step_system
    use coulter_boundary_stations, only: stations_type
    use coulter_grid_cells, only: cells_type
    use coulter_model_contact_report, only: contact_report_type
-   use coulter_law, only: law_verdict_type, law_visit_type
+   use coulter_law, only: law_sites_type, law_verdict_type, law_visit_type
    use coulter_step_border, only: border_type
    use coulter_step_dofs, only: dofs_type
    use coulter_step_ghost, only: ghost_type
@@ -111,6 +111,8 @@ module coulter_step_system
       real(wp), allocatable :: last_reaction(:, :)
       !> Mass that each node carries, shape (n_nodes).
       real(wp), allocatable :: nodal_mass(:)
+      !> Where the points are; there if a law asks.
+      type(law_sites_type), pointer :: sites => null()
       !> What a law that failed had to say; there if somebody asks.
       type(law_verdict_type), pointer :: verdict => null()
    contains
@@ -132,6 +134,7 @@ contains
       visit%time = self%end_time
       visit%time_step = self%end_time - self%start_time
       visit%point = point
+      visit%sites => self%sites
       visit%verdict => self%verdict
    end function visit
 
