@@ -19,7 +19,10 @@ module coulter_boundary_trimming
    !> Outlines that pass a corner of a tool by less than this keep a corner there, over the spacing.
    real(wp), parameter :: passing = 0.25_wp
    !> Corners of the outline nearer than this to one of a tool move there, over the spacing.
-   real(wp), parameter :: merging = 0.05_wp
+   real(wp), parameter :: merging = 0.2_wp
+   !> Edges of the outline that pass deeper than this behind an arc get a corner on it, over the
+   !> spacing.
+   real(wp), parameter :: sagitta = 0.05_wp
 
 contains
 
@@ -44,6 +47,9 @@ contains
          if (boundaries(b)%is_bilateral .or. .not. boundaries(b)%is_active) cycle
          do v = 1, size(boundaries(b)%vertices, 2)
             call add_vertex(outline, boundaries(b), v, spacing)
+         end do
+         do v = 1, size(boundaries(b)%vertices, 2) - 1
+            call bend_along(outline, boundaries(b), v, spacing)
          end do
       end do
    end subroutine trim_outline
@@ -106,6 +112,36 @@ contains
          if (is_inside) outline%corner(:, c) = vertex
       end associate
    end subroutine add_vertex
+
+   !> Let edges of the outline that cut off a part of an arc run along it.
+   pure subroutine bend_along(outline, boundary, s, spacing)
+      type(outline_type), intent(inout) :: outline
+      type(boundary_type), intent(in) :: boundary
+      integer, intent(in) :: s
+      real(wp), intent(in) :: spacing
+      type(face_type) :: face
+      type(place_type) :: place
+      real(wp) :: centre(2), foot(2), along(2), share
+      integer :: c
+
+      call new_face(face, boundary%vertices(:, s), boundary%vertices(:, s + 1), boundary%bulge(s))
+      if (.not. face%radius > 0.0_wp) return
+      centre = face%first + face%centre
+      c = 1
+      ! the last corners are those that have been put in
+      do while (c <= outline%n)
+         along = outline%corner(:, outline%next(c)) - outline%corner(:, c)
+         share = dot_product(centre - outline%corner(:, c), along)/dot_product(along, along)
+         foot = outline%corner(:, c) + share*along
+         call find_place(boundary, s, foot, 0.0_wp, place)
+         if (share > 0.0_wp .and. share < 1.0_wp .and. looks_at(outline, c, place%normal) &
+             .and. place%gap < -sagitta*spacing .and. place%gap > -deepest*spacing) then
+            call insert_corner(outline, c, foot - place%gap*place%normal)
+         else
+            c = c + 1
+         end if
+      end do
+   end subroutine bend_along
 
    !> Where the faces beside a vertex leave the body through the edge that has got a corner for it,
    !> the outline gets corners too: both run with the material on their left.

@@ -8,6 +8,7 @@ module coulter_points_retiling
    use coulter_base_polygon, only: area_and_centroid, polygon_type
    use coulter_points_domains, only: add_domain, cut_domains, domain_list_type, weld_domains
    use coulter_points_outline, only: encloses, outline_type, sharp_corners
+   use coulter_points_outline_fitting, only: follow_outline
    implicit none(type, external)
    private
    public :: tile_outline
@@ -68,6 +69,7 @@ contains
          end do
       end do
       call weld_domains(domains, corner_tolerance*h, n)
+      call follow_outline(domains, outline, h)
       call cut_domains(domains, [corner_tolerance*product(spacing)], vertices, owner)
    end subroutine tile_outline
 
