@@ -8,9 +8,10 @@ module coulter_boundary_trimming
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
    use coulter_points_outline, only: encloses, insert_corner, outline_type
+   use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
    private
-   public :: trim_outline, is_near_face
+   public :: trim_outline, push_corners_out, is_near_face
 
    !> Corners deeper behind a face than this belong to something else, over the spacing.
    real(wp), parameter :: deepest = 0.5_wp
@@ -71,14 +72,45 @@ contains
          do s = 1, size(boundaries(b)%vertices, 2) - 1
             call find_place(boundaries(b), s, outline%corner(:, c), 0.0_wp, place)
             if (.not. (place%gap < 0.0_wp .and. place%gap > least)) cycle
-            if (.not. (looks_at(outline, c, place%normal) &
-                       .or. looks_at(outline, outline%previous(c), place%normal))) cycle
+            if (.not. (looks_at(edge_from(outline, c), place%normal) &
+                       .or. looks_at(edge_from(outline, outline%previous(c)), place%normal))) cycle
             least = place%gap
             shift = -place%gap*place%normal
          end do
       end do
       outline%corner(:, c) = outline%corner(:, c) + shift
    end subroutine push_out
+
+   !> Move outer corners of new tiles that are a little behind faces onto them: those that lie on
+   !> chords of arcs.
+   pure subroutine push_corners_out(tiling, boundaries, spacing)
+      !> Tiles whose corners move.
+      type(tiling_type), intent(inout) :: tiling
+      !> Boundaries in their present position.
+      type(boundary_type), intent(in) :: boundaries(:)
+      !> Grid spacing.
+      real(wp), intent(in) :: spacing
+      type(place_type) :: place
+      real(wp) :: along(2)
+      integer :: b, e, k, s
+
+      do b = 1, size(boundaries)
+         if (boundaries(b)%is_bilateral .or. .not. boundaries(b)%is_active) cycle
+         do s = 1, size(boundaries(b)%vertices, 2) - 1
+            do e = 1, size(tiling%outer_edge, 2)
+               along = tiling%position(:, tiling%outer_edge(2, e)) &
+                  - tiling%position(:, tiling%outer_edge(1, e))
+               do k = 1, 2
+                  associate (corner => tiling%position(:, tiling%outer_edge(k, e)))
+                     call find_place(boundaries(b), s, corner, 0.0_wp, place)
+                     if (.not. (place%gap < 0.0_wp .and. place%gap > -2.0_wp*sagitta*spacing)) cycle
+                     if (looks_at(along, place%normal)) corner = corner - place%gap*place%normal
+                  end associate
+               end do
+            end do
+         end do
+      end do
+   end subroutine push_corners_out
 
    !> Let the outline have a corner where a boundary has a vertex: at it if that is inside the body,
    !> else where the outline passes by.
@@ -134,7 +166,7 @@ contains
          share = dot_product(centre - outline%corner(:, c), along)/dot_product(along, along)
          foot = outline%corner(:, c) + share*along
          call find_place(boundary, s, foot, 0.0_wp, place)
-         if (share > 0.0_wp .and. share < 1.0_wp .and. looks_at(outline, c, place%normal) &
+         if (share > 0.0_wp .and. share < 1.0_wp .and. looks_at(along, place%normal) &
              .and. place%gap < -sagitta*spacing .and. place%gap > -deepest*spacing) then
             call insert_corner(outline, c, foot - place%gap*place%normal)
          else
@@ -215,7 +247,7 @@ contains
          looks = .false.
          do s = max(v - 1, 1), min(v, size(boundary%vertices, 2) - 1)
             call find_place(boundary, s, boundary%vertices(:, v), limit, place)
-            looks = looks .or. looks_at(outline, c, place%normal)
+            looks = looks .or. looks_at(along, place%normal)
          end do
          if (.not. looks) cycle
          nearest = distance
@@ -224,15 +256,20 @@ contains
       end do
    end subroutine nearest_edge
 
-   !> Does the edge that starts at a corner of the outline look at a face with some normal?
-   pure function looks_at(outline, c, normal) result(answer)
+   !> Edge that starts at a corner of the outline.
+   pure function edge_from(outline, c) result(along)
       type(outline_type), intent(in) :: outline
       integer, intent(in) :: c
-      real(wp), intent(in) :: normal(2)
-      logical :: answer
       real(wp) :: along(2)
 
       along = outline%corner(:, outline%next(c)) - outline%corner(:, c)
+   end function edge_from
+
+   !> Does an edge with the material on its left look at a face with some normal?
+   pure function looks_at(along, normal) result(answer)
+      real(wp), intent(in) :: along(2), normal(2)
+      logical :: answer
+
       answer = along(2)*normal(1) - along(1)*normal(2) < facing*norm2(along)
    end function looks_at
 

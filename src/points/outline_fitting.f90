@@ -24,8 +24,8 @@ module coulter_points_outline_fitting
 
 contains
 
-   !> Give the outer edges of welded polygons the corners of the outline that they leave out, unless
-   !> a polygon would cross itself then.
+   !> Give the outer edges of welded polygons the corners of the outline that they leave out, as
+   !> long as no polygon crosses itself.
    pure subroutine follow_outline(domains, outline, spacing)
       !> Polygons; only corners that coincide exactly are one.
       type(domain_list_type), intent(inout) :: domains
@@ -78,40 +78,44 @@ contains
       end do
    end subroutine find_outer_edges
 
-   !> One polygon with the corners that its outer edges leave out.
+   !> One polygon with the corners that its outer edges leave out, but those that would let it cross
+   !> itself.
    pure subroutine fit(corner, is_outer, outline, spacing, fitted)
       real(wp), intent(in) :: corner(:, :)
       logical, intent(in) :: is_outer(:)
       type(outline_type), intent(in) :: outline
       real(wp), intent(in) :: spacing
       real(wp), allocatable, intent(out) :: fitted(:, :)
-      real(wp), allocatable :: path(:, :)
-      integer :: i, n
+      real(wp), allocatable :: path(:, :), longer(:, :)
+      integer :: i, k, at, n
 
-      allocate (fitted(2, 0))
+      fitted = corner
+      at = 0
       do i = 1, size(corner, 2)
-         allocate (path(2, 0))
-         associate (a => corner(:, i), b => corner(:, modulo(i, size(corner, 2)) + 1))
-            if (is_outer(i)) call find_path(outline, a, b, spacing, path)
-            n = size(fitted, 2) + 1 + size(path, 2)
-            fitted = reshape([fitted, a, path], [2, n])
-         end associate
-         deallocate (path)
+         at = at + 1
+         if (.not. is_outer(i)) cycle
+         call find_path(outline, corner(:, i), corner(:, modulo(i, size(corner, 2)) + 1), spacing, &
+                        path)
+         do k = 1, size(path, 2)
+            n = size(fitted, 2) + 1
+            longer = reshape([fitted(:, :at), path(:, k), fitted(:, at + 1:)], [2, n])
+            if (.not. is_simple(longer)) cycle
+            call move_alloc(longer, fitted)
+            at = at + 1
+         end do
       end do
-      if (size(fitted, 2) > size(corner, 2)) then
-         if (.not. is_simple(fitted)) fitted = corner
-      end if
    end subroutine fit
 
    !> Corners that the outline needs between two places on it, in its own sense.
    pure subroutine find_path(outline, from, to, spacing, path)
       type(outline_type), intent(in) :: outline
       real(wp), intent(in) :: from(2), to(2), spacing
-      real(wp), allocatable, intent(inout) :: path(:, :)
+      real(wp), allocatable, intent(out) :: path(:, :)
       logical, allocatable :: is_kept(:)
       integer :: start, n
       integer, allocatable :: between(:)
 
+      allocate (path(2, 0))
       do start = 1, outline%n
          if (.not. is_on(outline, start, from, round_off*spacing)) cycle
          ! where the place is the end of an edge, the next edge starts there

@@ -34,6 +34,9 @@ module coulter_points_retiling
    real(wp), parameter :: corner_tolerance = 1.0e-7_wp
    !> Tiles smaller than this share of a cell are left out.
    real(wp), parameter :: smallest_share = 2.0e-3_wp
+   !> Places beside the middle one of three corners, as shares in all of them.
+   real(wp), parameter :: beside(3, 2) = reshape([0.1_wp, 0.88_wp, 0.02_wp, &
+                                                  0.02_wp, 0.88_wp, 0.1_wp], [3, 2])
    !> Nodes of a cell in counter-clockwise order.
    integer, parameter :: cell_node(2, 4) = reshape([0, 0, 1, 0, 1, 1, 0, 1], [2, 4])
 
@@ -307,18 +310,15 @@ contains
       type(polygon_type), intent(inout) :: polygon
       logical, intent(inout) :: is_on_outline(8)
       type(outline_type), intent(in) :: outline
-      real(wp) :: area, centroid(2)
       integer :: k, n
       logical :: is_gap
 
       k = 1
       do while (k <= polygon%n .and. polygon%n >= 3)
          n = polygon%n
-         associate (ear => polygon%corner(:, [modulo(k - 2, n) + 1, k, modulo(k, n) + 1]))
-            call area_and_centroid(ear, area, centroid)
-         end associate
-         is_gap = is_on_outline(k) .and. area > 0.0_wp
-         if (is_gap) is_gap = .not. encloses(outline, centroid)
+         is_gap = is_on_outline(k)
+         if (is_gap) is_gap = is_outside(outline, polygon%corner(:, [modulo(k - 2, n) + 1, k, &
+                                                                     modulo(k, n) + 1]))
          if (is_gap) then
             polygon%corner(:, k:n - 1) = polygon%corner(:, k + 1:n)
             is_on_outline(k:n - 1) = is_on_outline(k + 1:n)
@@ -329,6 +329,20 @@ contains
          end if
       end do
    end subroutine cut_off_gaps
+
+   !> Is a convex ear outside, both in the middle and, since its edges are chords, beside its tip?
+   pure function is_outside(outline, ear) result(answer)
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: ear(2, 3)
+      logical :: answer
+      real(wp) :: area, centroid(2)
+
+      call area_and_centroid(ear, area, centroid)
+      answer = area > 0.0_wp
+      if (answer) answer = .not. encloses(outline, centroid)
+      if (answer) answer = .not. encloses(outline, matmul(ear, beside(:, 1)))
+      if (answer) answer = .not. encloses(outline, matmul(ear, beside(:, 2)))
+   end function is_outside
 
    !> Add a corner; there must be room for it.
    pure subroutine append(polygon, position)

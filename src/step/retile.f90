@@ -7,7 +7,7 @@ module coulter_step_retile
    use coulter_boundary_edge_load, only: carry_loaded_edges, loaded_edge_type
    use coulter_boundary_held_edge, only: carry_held_edges, held_edge_type
    use coulter_boundary_motion, only: largest_shift
-   use coulter_boundary_trimming, only: is_near_face, trim_outline
+   use coulter_boundary_trimming, only: is_near_face, push_corners_out, trim_outline
    use coulter_law, only: law_response_type, law_visit_type, n_plane
    use coulter_model, only: model_type
    use coulter_model_observer, only: step_report_type
@@ -195,7 +195,7 @@ contains
                             smallest_loop*product(edge))
          call trim_outline(outline, model%boundaries, model%grid%smallest_spacing())
          call tile_outline(outline, model%grid%origin, edge, vertices)
-         call settle_area(vertices, model, b)
+         call settle_corners(vertices, model, b)
          all_vertices = reshape([all_vertices, vertices], [2, 4, size(owner) + size(vertices, 3)])
          owner = [owner, spread(b, 1, size(vertices, 3))]
       end do
@@ -226,8 +226,9 @@ contains
       edges = edges(:, :n)
    end function edges_of
 
-   !> Shift free corners so that the new tiles of a body have the area of the old ones.
-   pure subroutine settle_area(vertices, model, body)
+   !> Push corners out of tools, and shift free ones: new tiles of a body get the area of its old
+   !> ones.
+   pure subroutine settle_corners(vertices, model, body)
       real(wp), intent(inout) :: vertices(:, :, :)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body
@@ -245,13 +246,14 @@ contains
       end do
       if (size(vertices, 3) == 0) return
       call new_tiling(tiling, vertices, corner_tolerance*h)
+      call push_corners_out(tiling, model%boundaries, h)
       allocate (is_free(tiling%n_corners))
       call find_free_corners(is_free, tiling, model)
       call restore_area(tiling, is_free, total, farthest_shift*h)
       do p = 1, size(vertices, 3)
          vertices(:, :, p) = tiling%position(:, tiling%corner(:, p))
       end do
-   end subroutine settle_area
+   end subroutine settle_corners
 
    !> Corners on the outline that are near no boundary.
    pure subroutine find_free_corners(is_free, tiling, model)
