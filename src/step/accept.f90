@@ -12,7 +12,6 @@ module coulter_step_accept
    use coulter_points_tiling, only: tile_centroid
    use coulter_step_bonds, only: remember_bonds
    use coulter_step_contact_state, only: whole_motion
-   use coulter_step_extrapolation, only: remember_flow
    use coulter_step_hourglass, only: remember_hourglass
    use coulter_step_patch_assembly, only: displacement_gradient, unit_gradient
    use coulter_step_patches, only: functions_in_patch, most_patch_nodes, patch_functions_type
@@ -67,7 +66,6 @@ contains
          model%points%shared_ratio = model%points%shared_ratio*system%volume_scale
       end if
       call measure_volumes(model)
-      call remember_flow(system, model)
       call move_boundaries(model, system)
       model%time = system%end_time
       system%last_stations = system%stations

@@ -11,7 +11,6 @@ module coulter_step_newton
    use coulter_step_border_solve, only: solve_bordered
    use coulter_step_contact_state, only: augment_contacts
    use coulter_step_dofs, only: expand, reduce
-   use coulter_step_extrapolation, only: extrapolate_flow
    use coulter_step_landing, only: land_free_tools
    use coulter_step_system, only: system_type
    implicit none(type, external)
@@ -31,8 +30,8 @@ module coulter_step_newton
       !> Are the forces at hand those of predicted contacts: those of the last step before the first
       !> iteration, or those on which free tools have landed?
       logical :: has_predicted = .false.
-      !> May a failure be due to smooth contacts, or to an extrapolation, at first?
-      logical :: may_begin_again = .false., has_extrapolated = .false.
+      !> May a failure be due to smooth contacts at first?
+      logical :: may_begin_again = .false.
       !> Why there is no equilibrium; unallocated when there is.
       character(len=:), allocatable :: failure
       !> Displacement increments, their last correction, and the unbalanced force, shape (n_dofs).
@@ -77,8 +76,7 @@ contains
          allocate (newton%unknowns(n), newton%correction(n), source=0.0_wp)
          allocate (newton%unbalanced(n), newton%residuals(0))
       end associate
-      call begin_with_flow(newton, system, model)
-      if (.not. newton%has_extrapolated) call begin(newton, system, model)
+      call begin(newton, system, model)
       round = 0
       do while (.not. allocated(newton%failure))
          if (system%border%n > 0) call land(newton, system, model)
@@ -108,24 +106,6 @@ contains
       end do
       system%needs_tangent = .true.
    end subroutine solve_newton
-
-   !> First forces and tangent where the flow of the last step goes on, if that can be.
-   subroutine begin_with_flow(newton, system, model)
-      type(newton_type), intent(inout) :: newton
-      type(system_type), intent(inout) :: system
-      type(model_type), intent(in) :: model
-
-      call extrapolate_flow(system, model, newton%unknowns(:system%dofs%n_dofs), &
-                            newton%has_extrapolated)
-      if (.not. newton%has_extrapolated) return
-      system%is_smooth = .false.
-      call evaluate(newton, system, model, newton%unknowns)
-      newton%has_extrapolated = .not. allocated(newton%failure)
-      newton%may_begin_again = newton%has_extrapolated
-      if (newton%has_extrapolated) return
-      deallocate (newton%failure)
-      newton%unknowns = 0.0_wp
-   end subroutine begin_with_flow
 
    !> First forces and tangent. With friction, contacts of the last step predict those of this one;
    !> where there are none, Newton comes near with smooth contacts first, since the signs of shear
@@ -178,7 +158,7 @@ contains
    end subroutine end_smoothness
 
    !> After a failure that began with smooth contacts, begin anew with contacts that stick: a body
-   !> may be held by them alone. After one that began with an extrapolation, begin at rest.
+   !> may be held by them alone.
    subroutine begin_again(newton, system, model)
       type(newton_type), intent(inout) :: newton
       type(system_type), intent(inout) :: system
@@ -191,12 +171,7 @@ contains
       allocate (newton%residuals(0))
       newton%unknowns = 0.0_wp
       newton%n_iterations = 0
-      if (newton%has_extrapolated) then
-         newton%has_extrapolated = .false.
-         call begin(newton, system, model)
-      else
-         call evaluate(newton, system, model, newton%unknowns)
-      end if
+      call evaluate(newton, system, model, newton%unknowns)
    end subroutine begin_again
 
    !> Forces and tangent at given unknowns; no tangent if the iteration should end there.

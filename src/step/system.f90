@@ -22,17 +22,7 @@ module coulter_step_system
    use coulter_step_unknowns, only: coupling_type
    implicit none(type, external)
    private
-   public :: system_type, flow_type, renew_pattern, make_room, system_memory
-
-   !> How material flowed in a step.
-   type :: flow_type
-      !> Grid index of every active node, shape (2, n_nodes).
-      integer, allocatable :: node_index(:, :)
-      !> Displacement over time of these, shape as before.
-      real(wp), allocatable :: velocity(:, :)
-      !> Translation and rotation of every boundary over time, shape (3, n_boundaries).
-      real(wp), allocatable :: boundary_rate(:, :)
-   end type flow_type
+   public :: system_type, renew_pattern, make_room, system_memory
 
    !> Everything that lives for one step, and what is kept from step to step because it may not
    !> have changed (pattern, symbolic factorisation).
@@ -78,8 +68,6 @@ module coulter_step_system
       !> section 4).
       logical :: has_friction = .false., has_tension = .false.
       logical :: is_predicting = .false., is_smooth = .false.
-      !> Flow of the last step, if any point flowed.
-      type(flow_type), allocatable :: flow
       !> Way of the fastest boundary since bodies were tiled, over the grid spacing.
       real(wp) :: way_since_tiling = 0.0_wp
       !> Edges that carry loads for good.
