@@ -6,7 +6,8 @@ module coulter_base_table
    private
    public :: table_type, new_table, is_increasing
 
-   !> A factor that varies with time: linear between the given times, constant beyond them.
+   !> A factor that varies with time: linear between the given times, constant beyond them; or a
+   !> wave.
    type :: table_type
       !> Name by which loads refer to the table.
       character(len=:), allocatable :: name
@@ -14,9 +15,14 @@ module coulter_base_table
       real(wp), allocatable :: time(:)
       !> Factors at these times, shape (n).
       real(wp), allocatable :: value(:)
+      !> Period of a sine wave that begins at the first time, with the values as amplitude; 0: no
+      !> wave, the values themselves.
+      real(wp) :: period = 0.0_wp
    contains
       procedure :: at => table_at
    end type table_type
+
+   real(wp), parameter :: pi = acos(-1.0_wp)
 
 contains
 
@@ -42,6 +48,18 @@ contains
       !> Time at which the factor is wanted.
       real(wp), intent(in) :: time
       real(wp) :: value
+
+      value = interpolated(self, time)
+      if (self%period > 0.0_wp) then
+         value = value*sin(2.0_wp*pi*max(0.0_wp, time - self%time(1))/self%period)
+      end if
+   end function table_at
+
+   !> What is linear between the times and constant beyond.
+   pure function interpolated(self, time) result(value)
+      class(table_type), intent(in) :: self
+      real(wp), intent(in) :: time
+      real(wp) :: value
       real(wp) :: share
       integer :: i, n
 
@@ -58,7 +76,7 @@ contains
          end if
       end do
       value = self%value(n)
-   end function table_at
+   end function interpolated
 
    !> Is every number larger than the one before it?
    pure function is_increasing(list)

@@ -2,6 +2,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_boundary
    use coulter_base_kinds, only: wp
+   use coulter_boundary_motion, only: leg_type
    implicit none(type, external)
    private
    public :: boundary_type, kind_roller, kind_fixed
@@ -85,6 +86,8 @@ module coulter_boundary
       !> Total rotation at a table value of 1, counter-clockwise, radians, and its table.
       real(wp) :: rotation = 0.0_wp
       integer :: rotation_table = 0
+      !> Further parts of its way; unallocated if there are none.
+      type(leg_type), allocatable :: legs(:)
       !> Displacement and rotation since the start, length units and radians.
       real(wp) :: travel(2) = 0.0_wp, turned = 0.0_wp
       !> Current centre of the rotation, length units; it moves with the displacement.

@@ -53,6 +53,9 @@ module coulter_boundary_contact
       !> Is it settled for the step that the face reaches the corner? So it is beside sharp corners
       !> of tools, around which corners of bodies would come and go.
       logical :: is_settled = .false.
+      !> Does the face reach it at the present unknowns, and how often has that changed in the step?
+      logical :: is_reached = .false.
+      integer :: n_changes = 0
       !> Is the corner held in both directions and also against being pulled off, and does it rub?
       logical :: is_bilateral = .false., is_fixed = .false., rubs = .false.
       !> Does the face act on it, and did it in the last step? Has a free tool just landed on it, so

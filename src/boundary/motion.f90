@@ -4,7 +4,8 @@ module coulter_boundary_motion
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: motion_type, moved_by, largest_shift, followed_by, seen_from, turn_matrix, crosswise
+   public :: motion_type, leg_type
+   public :: moved_by, largest_shift, followed_by, seen_from, turn_matrix, crosswise
 
    !> Rotation about a centre, then translation.
    type :: motion_type
@@ -15,6 +16,14 @@ module coulter_boundary_motion
       !> Centre of rotation before the motion, length units.
       real(wp) :: centre(2) = 0.0_wp
    end type motion_type
+
+   !> A part of the way of a boundary, beside others that may run at the same time.
+   type :: leg_type
+      !> Displacement and rotation at a factor of 1, length units and radians, counter-clockwise.
+      real(wp) :: displacement(2) = 0.0_wp, rotation = 0.0_wp
+      !> Table of the factor, or 0: it grows evenly from 0 to 1 over a phase, by its number.
+      integer :: table = 0, phase = 1
+   end type leg_type
 
 contains
 

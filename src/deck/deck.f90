@@ -13,6 +13,7 @@ module coulter_deck
    use coulter_deck_file, only: read_text
    use coulter_deck_laws, only: read_laws
    use coulter_deck_loads, only: read_body_force, read_edge_loads, read_tables
+   use coulter_deck_motions, only: read_motions
    use coulter_deck_names, only: check_names
    use coulter_deck_reference, only: write_deck_reference
    use coulter_deck_samples, only: read_samples, read_stages
@@ -85,6 +86,7 @@ contains
       call read_fixities(deck, model%grid, model%fixities)
       call read_boundaries(deck, model%schedule, model%control%domains, model%boundaries)
       call read_tools(deck, model%schedule, model%control%domains, model%boundaries)
+      call read_motions(deck, model%schedule, model%boundaries)
       call read_output(deck, size(model%schedule%end_time), output)
 
       if (deck%faults%n_faults > 0) call fatal_error(error, describe_faults(deck, deck%faults))

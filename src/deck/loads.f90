@@ -85,11 +85,14 @@ contains
       type(table_type), intent(out) :: table
       character(len=:), allocatable :: name
       real(wp), allocatable :: time(:), value(:)
+      real(wp) :: period
 
       name = ""
+      period = 0.0_wp
       call get_value(deck, group, "name", name)
       call get_list(deck, group, "time", time)
       call get_list(deck, group, "value", value)
+      call get_value(deck, group, "period", period)
       if (.not. (allocated(time) .and. allocated(value))) return
       if (size(time) /= size(value)) then
          call blame(deck, group, "value", "must have as many values as time, which has " &
@@ -98,6 +101,7 @@ contains
          call blame(deck, group, "time", "must increase")
       else
          call new_table(table, name, time, value)
+         table%period = period
       end if
    end subroutine read_table
 

@@ -70,11 +70,13 @@ module coulter_deck_schema
                       "An implicit boundary: a polyline that need not match the grid."), &
       group_rule_type("tool", "any number", &
                       "A rigid tool that pushes and rubs, moves and turns; needs cpdi2."), &
+      group_rule_type("motion", "any number", &
+                      "A part of the way of a tool or boundary, beside its own."), &
       group_rule_type("edge_load", "any number", &
                       "A traction or pressure on edges of bodies; needs cpdi2."), &
       group_rule_type("body_force", "0 or 1", "A force per unit mass, such as gravity."), &
       group_rule_type("table", "any number", &
-                      "A factor over time, linear between its times and constant beyond."), &
+                      "A factor over time: piecewise linear, or a wave."), &
       group_rule_type("steps", "1 or &phase", "The load steps: either `count` or `end_times`."), &
       group_rule_type("phase", "any number", &
                       "A part of a run, in the order of the deck, with steps of its own."), &
@@ -286,6 +288,22 @@ module coulter_deck_schema
          "penalty band over the spacing")]
 
    type(variable_rule_type), parameter :: step_rules(*) = [ &
+      variable_rule_type("motion", "tool", "text", 1, 1, "", "(or boundary)", "", &
+         "name of the tool that moves"), &
+      variable_rule_type("motion", "boundary", "text", 1, 1, "", "(or tool)", "", &
+         "name of the boundary that moves"), &
+      variable_rule_type("motion", "displacement", "real", 2, 2, "length", "0.0, 0.0", "", &
+         "displacement over the phase, or at a table value of 1; all motions add up"), &
+      variable_rule_type("motion", "velocity", "real", 2, 2, "length/time", "(none)", "", &
+         "the same over the duration of the phase"), &
+      variable_rule_type("motion", "rotation", "real", 1, 1, "degrees", "0.0", "", &
+         "tools: rotation about the pivot, counter-clockwise"), &
+      variable_rule_type("motion", "rotation_rate", "real", 1, 1, "degrees/time", "(none)", "", &
+         "tools: the same over the duration of the phase"), &
+      variable_rule_type("motion", "phase", "text", 1, 1, "", "(first)", "", &
+         "name of the phase over which it moves evenly; it stays where that ends"), &
+      variable_rule_type("motion", "table", "text", 1, 1, "", "(phase)", "", &
+         "name of the table that schedules it over the whole run instead"), &
       variable_rule_type("edge_load", "name", "text", 1, 1, "", required, "", &
          "name for messages"), &
       variable_rule_type("edge_load", "vertices", "real", 4, 1000, "length", required, "", &
@@ -317,7 +335,9 @@ module coulter_deck_schema
       variable_rule_type("table", "time", "real", 1, 1000, "time", required, "", &
          "times, increasing"), &
       variable_rule_type("table", "value", "real", 1, 1000, "", required, "", &
-         "factors at these times"), &
+         "factors at these times, linear between them and constant beyond"), &
+      variable_rule_type("table", "period", "real", 1, 1, "time", "(no wave)", "> 0", &
+         "sine wave of this period from the first time on; `value` is its amplitude"), &
       variable_rule_type("steps", "count", "integer", 1, 1, "", "(or end_times)", &
          ">= 1 <= 100000", "number of equal steps from time 0 to time 1"), &
       variable_rule_type("steps", "end_times", "real", 1, 1000, "time", "(or count)", "> 0", &

@@ -40,6 +40,7 @@ module coulter_model_control
    contains
       procedure :: phase_of
       procedure :: share_of_phase
+      procedure :: duration_of_phase
    end type schedule_type
 
    !> Last phase of what acts to the end.
@@ -100,23 +101,41 @@ contains
       !> Time.
       real(wp), intent(in) :: time
       real(wp) :: share
-      real(wp) :: start, finish
-      integer :: first
+      real(wp) :: limits(2)
 
       share = 1.0_wp
       if (phase < 1) return
-      first = 0
-      start = 0.0_wp
-      finish = self%end_time(size(self%end_time))
       if (allocated(self%phases)) then
          share = 0.0_wp
          if (phase > size(self%phases)) return
-         if (phase > 1) first = self%phases(phase - 1)%last_step
-         if (first > 0) start = self%end_time(first)
-         finish = self%end_time(self%phases(phase)%last_step)
       end if
-      share = (time - start)/(finish - start)
+      limits = limits_of_phase(self, phase)
+      share = (time - limits(1))/(limits(2) - limits(1))
       if (allocated(self%phases)) share = max(0.0_wp, min(1.0_wp, share))
    end function share_of_phase
+
+   !> How long a phase takes; the whole run where there are none.
+   pure function duration_of_phase(self, phase) result(duration)
+      class(schedule_type), intent(in) :: self
+      !> Number of the phase.
+      integer, intent(in) :: phase
+      real(wp) :: duration
+      real(wp) :: limits(2)
+
+      limits = limits_of_phase(self, phase)
+      duration = limits(2) - limits(1)
+   end function duration_of_phase
+
+   !> Times at which a phase begins and ends.
+   pure function limits_of_phase(schedule, phase) result(limits)
+      class(schedule_type), intent(in) :: schedule
+      integer, intent(in) :: phase
+      real(wp) :: limits(2)
+
+      limits = [0.0_wp, schedule%end_time(size(schedule%end_time))]
+      if (.not. allocated(schedule%phases)) return
+      if (phase > 1) limits(1) = schedule%end_time(schedule%phases(phase - 1)%last_step)
+      limits(2) = schedule%end_time(schedule%phases(phase)%last_step)
+   end function limits_of_phase
 
 end module coulter_model_control

@@ -151,26 +151,33 @@ contains
       !> Times.
       real(wp), intent(in) :: start_time, end_time
       type(motion_type) :: motion
+      integer :: i
 
       associate (item => model%boundaries(boundary))
-         motion%translation = item%displacement*advance(item%table)
+         motion%translation = item%displacement*advance(item%table, item%ramp_phase)
          motion%centre = item%centre
          if (abs(item%rotation) > 0.0_wp) then
-            motion%rotation = item%rotation*advance(item%rotation_table)
+            motion%rotation = item%rotation*advance(item%rotation_table, item%ramp_phase)
          end if
+         if (.not. allocated(item%legs)) return
+         do i = 1, size(item%legs)
+            associate (leg => item%legs(i))
+               motion%translation = motion%translation &
+                  + leg%displacement*advance(leg%table, leg%phase)
+               motion%rotation = motion%rotation + leg%rotation*advance(leg%table, leg%phase)
+            end associate
+         end do
       end associate
 
    contains
 
-      !> How far a table gets from the first time to the last.
-      pure function advance(table)
-         integer, intent(in) :: table
+      !> How far a table or a phase gets from the first time to the last.
+      pure function advance(table, phase)
+         integer, intent(in) :: table, phase
          real(wp) :: advance
 
-         associate (ramp => model%boundaries(boundary)%ramp_phase)
-            advance = load_factor(model, table, end_time, ramp) &
-               - load_factor(model, table, start_time, ramp)
-         end associate
+         advance = load_factor(model, table, end_time, phase) &
+            - load_factor(model, table, start_time, phase)
       end function advance
 
    end function boundary_motion

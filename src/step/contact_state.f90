@@ -18,6 +18,8 @@ module coulter_step_contact_state
    real(wp), parameter :: touching = 1.0e-10_wp
    !> A tip may slide this far beyond the ends of its edge within a step, over the length of that.
    real(wp), parameter :: tip_slack = 0.5_wp
+   !> A corner that has changed its face more often than this in a step stays with the last one.
+   integer, parameter :: most_changes = 6
 
 contains
 
@@ -100,33 +102,48 @@ contains
          contact%is_acting = overlap < touching*model%grid%smallest_spacing() &
             .and. abs(place%share - 0.5_wp) <= 0.5_wp + tip_slack
       else
-         contact%is_acting = acts(system, contact, place%place_type, overlap, &
-                                  model%grid%smallest_spacing())
+         call judge(contact, system, place%place_type, overlap, model%grid%smallest_spacing())
       end if
    end subroutine decide
 
-   !> Does the face act on the corner: held for good, or pressed while it slides along the face?
-   pure function acts(system, contact, place, overlap, spacing) result(answer)
+   !> Does the face act on the corner: held for good, or pressed while it slides along the face? A
+   !> corner that goes to and fro between two faces stays with one of them at last.
+   pure subroutine judge(contact, system, place, overlap, spacing)
+      type(contact_type), intent(inout) :: contact
       type(system_type), intent(in) :: system
-      type(contact_type), intent(in) :: contact
       !> Place of the corner.
       type(place_type), intent(in) :: place
       !> Traction over the penalty, and grid spacing, length units.
       real(wp), intent(in) :: overlap, spacing
       logical :: answer
-      type(place_type) :: other
-      real(wp) :: slack, moved(2, 2)
 
-      answer = contact%is_bilateral
-      if (answer .or. .not. overlap < touching*spacing) return
-      slack = end_slack*spacing
-      answer = contact%is_settled .or. (place%distance >= slack &
-                                        .and. place%distance <= contact%face%length - slack)
+      contact%is_acting = contact%is_bilateral
+      if (contact%is_acting .or. .not. overlap < touching*spacing) return
+      contact%is_acting = contact%is_reached
+      if (contact%n_changes > most_changes) return
+      answer = contact%is_settled .or. is_reached(system, contact, place, end_slack*spacing)
+      if (answer .neqv. contact%is_reached) contact%n_changes = contact%n_changes + 1
+      contact%is_reached = answer
+      contact%is_acting = answer
+   end subroutine judge
+
+   !> Does the face reach the corner?
+   pure function is_reached(system, contact, place, slack) result(answer)
+      type(system_type), intent(in) :: system
+      type(contact_type), intent(in) :: contact
+      type(place_type), intent(in) :: place
+      !> How far it reaches beyond its ends, length units.
+      real(wp), intent(in) :: slack
+      logical :: answer
+      type(place_type) :: other
+      real(wp) :: moved(2, 2)
+
+      answer = place%distance >= slack .and. place%distance <= contact%face%length - slack
       if (answer) return
       moved = motion_of(system, contact)
       other = place_on(contact%face, contact%other_offset, moved(:, 2))
       answer = reaches(contact%face, place%distance, other%distance, slack)
-   end function acts
+   end function is_reached
 
    !> End a round of the augmented Lagrangian method: what the penalty carries is remembered, so
    !> that it can relax.
