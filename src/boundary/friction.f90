@@ -24,6 +24,8 @@ module coulter_boundary_friction
       logical :: is_rough = .false.
       !> Tension that it holds, stress units, and opening over which that fades, length units.
       real(wp) :: tension = 0.0_wp, opening = 0.0_wp
+      !> Does it hold what is on it for good?
+      logical :: is_bilateral = .false.
    end type friction_type
 
    !> What a station answers to its place and to the traction of the material.
@@ -41,6 +43,11 @@ module coulter_boundary_friction
       logical :: sticks = .false.
    end type rub_type
 
+   !> Shear over pressure is at most this on a face that holds no tension, whatever adhesion and
+   !> roughness: if shear sprang up where contact begins, there might be no equilibrium with it and
+   !> none without.
+   real(wp), parameter :: steepest = 3.0_wp
+
 contains
 
    !> Friction of a boundary.
@@ -50,7 +57,8 @@ contains
       type(friction_type) :: friction
 
       friction = friction_type(boundary%friction, boundary%adhesion, boundary%shear_limit, &
-                               boundary%is_rough, boundary%tension_limit, boundary%tension_opening)
+                               boundary%is_rough, boundary%tension_limit, &
+                               boundary%tension_opening, boundary%is_bilateral)
    end function friction_of
 
    !> Normal part: traction, and its share of the derivatives.
@@ -176,12 +184,19 @@ contains
 
       capacity = friction%limit
       slope = 0.0_wp
-      if (friction%is_rough) return
-      associate (coulomb => friction%adhesion - friction%coefficient*normal_traction)
-         if (coulomb >= friction%limit) return
-         capacity = max(0.0_wp, coulomb)
-         if (coulomb > 0.0_wp) slope = -friction%coefficient
-      end associate
+      if (.not. friction%is_rough) then
+         associate (coulomb => friction%adhesion - friction%coefficient*normal_traction)
+            if (coulomb < friction%limit) then
+               capacity = max(0.0_wp, coulomb)
+               if (coulomb > 0.0_wp) slope = -friction%coefficient
+            end if
+         end associate
+      end if
+      if (friction%is_bilateral .or. friction%tension > 0.0_wp) return
+      if (capacity <= -steepest*normal_traction) return
+      capacity = max(0.0_wp, -steepest*normal_traction)
+      slope = 0.0_wp
+      if (normal_traction < 0.0_wp) slope = -steepest
    end subroutine shear_capacity
 
    !> Dyadic product.

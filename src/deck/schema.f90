@@ -199,7 +199,7 @@ module coulter_deck_schema
       variable_rule_type("boundary", "friction", "real", 1, 1, "", "0.0", ">= 0", &
          "cpdi2, roller: coefficient of Coulomb friction"), &
       variable_rule_type("boundary", "adhesion", "real", 1, 1, "stress", "0.0", ">= 0", &
-         "cpdi2, roller: shear that it carries without pressure while in contact"), &
+         "cpdi2, roller: shear beside friction; in full from a pressure of a third of it on"), &
       variable_rule_type("boundary", "shear_limit", "real", 1, 1, "stress", "(none)", "> 0", &
          "cpdi2, roller: largest shear, such as a share of the undrained strength"), &
       variable_rule_type("boundary", "rough", "logical", 1, 1, "", ".false.", "", &
@@ -275,7 +275,7 @@ module coulter_deck_schema
       variable_rule_type("tool", "friction", "real", 1, 1, "", "0.0", ">= 0", &
          "coefficient of Coulomb friction"), &
       variable_rule_type("tool", "adhesion", "real", 1, 1, "stress", "0.0", ">= 0", &
-         "shear that it carries without pressure while in contact"), &
+         "shear beside friction; in full from a pressure of a third of it on"), &
       variable_rule_type("tool", "shear_limit", "real", 1, 1, "stress", "(none)", "> 0", &
          "largest shear, such as a share of the undrained strength"), &
       variable_rule_type("tool", "rough", "logical", 1, 1, "", ".false.", "", &
