@@ -1,4 +1,4 @@
-"""Command line: `python -m coulter_post figures|animate|summary FILE`, `... point FILE...`."""
+"""Command line: `python -m coulter_post figures|animate|summary|outline FILE`, `... point FILE...`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import figures, samples
+from . import figures, outline, samples
 from .fields import FIELDS
 from .results import Results
 
@@ -52,7 +52,34 @@ def _parser() -> argparse.ArgumentParser:
     point.add_argument("files", type=Path, nargs="+", help="tables NAME_SAMPLE.csv, drawn together")
     point.add_argument("--output", type=Path, help="the figure, default: the first table's name")
     point.set_defaults(command=_draw_samples)
+
+    drawing = commands.add_parser("outline", help="make the table of a tool from DXF or SVG")
+    drawing.add_argument("file", type=Path, help="drawing")
+    drawing.add_argument("-o", "--output", type=Path, help="the table, default: NAME.csv")
+    drawing.add_argument("--layer", help="layer (DXF), or label or id of a group or shape (SVG)")
+    drawing.add_argument("--number", type=int, help="which outline, if there are several")
+    drawing.add_argument("--tolerance", type=float, help="largest distance between curve and chord,"
+                         " default: a thousandth of the drawing")
+    lengths = drawing.add_mutually_exclusive_group()
+    lengths.add_argument("--unit", choices=outline.UNITS, help="unit of length of the table")
+    lengths.add_argument("--scale", type=float, help="factor by which lengths are multiplied")
+    drawing.set_defaults(command=_outline)
     return parser
+
+
+def _outline(options: argparse.Namespace) -> None:
+    scale = 1.0 if options.scale is None else options.scale
+    if not scale > 0.0:
+        raise ValueError("the scale must be > 0")
+    tolerance = None if options.tolerance is None else options.tolerance / scale
+    found = outline.read(options.file, options.layer, tolerance, options.unit)
+    chosen = outline.choose(found, options.number, options.file)
+    chosen.points *= scale
+    path = options.output or options.file.with_suffix(".csv")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    outline.write(chosen, path, options.file)
+    shape = "polygon" if chosen.is_closed else "polyline"
+    print(f"{path}: {chosen}; &tool shape = '{shape}', file = '{path.name}'")
 
 
 def _draw_samples(options: argparse.Namespace) -> None:

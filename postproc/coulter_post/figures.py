@@ -221,14 +221,29 @@ def _along_tool(frame: Frame, index: int) -> tuple[np.ndarray, np.ndarray]:
     return places, np.column_stack(mean)
 
 
+def _writer(path: Path) -> type[PillowWriter | FFMpegWriter]:
+    """What writes a film: GIF needs nothing, all else ffmpeg, of the system or of imageio-ffmpeg."""
+    if path.suffix.lower() == ".gif":
+        return PillowWriter
+    if not FFMpegWriter.isAvailable():
+        try:
+            from imageio_ffmpeg import get_ffmpeg_exe
+        except ModuleNotFoundError:
+            raise ValueError(
+                f"{path}: needs ffmpeg, which is not installed (nor imageio-ffmpeg); a .gif does not"
+            ) from None
+        mpl.rcParams["animation.ffmpeg_path"] = get_ffmpeg_exe()
+    return FFMpegWriter
+
+
 def animate(results: Results, path: Path, field: str = "ux", frames_per_second: float = 8.0) -> None:
-    """All frames as a moving picture: GIF, or MP4 where ffmpeg is installed."""
+    """All frames as a moving picture: GIF, or MP4 and other films where ffmpeg is installed."""
     frames = [results.frame(index) for index in range(results.n_frames)]
     quantity = FIELDS[field]
     values = [quantity.of(frame) for frame in frames]
     norm, extend = _colour_limits(values)
     view = _view(frames, results.grid)
-    writer = PillowWriter if path.suffix.lower() == ".gif" else FFMpegWriter
+    writer = _writer(path)
     with mpl.rc_context(STYLE):
         figure, (panel,) = _panels(1, view)
         FigureCanvasAgg(figure)

@@ -257,6 +257,21 @@ def test_tools_are_drawn_and_move(pipe, tmp_path, capsys):
     assert str(film) in capsys.readouterr().out
 
 
+def test_tools_move_in_a_film(pipe, tmp_path):
+    film = tmp_path / "pipe.mp4"
+    assert main(["animate", str(pipe.path), "--output", str(film)]) == 0
+    assert film.read_bytes()[4:8] == b"ftyp"
+
+
+def test_film_without_ffmpeg_is_refused(pipe, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("coulter_post.figures.FFMpegWriter.isAvailable", lambda: False)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    film = tmp_path / "pipe.mp4"
+    assert main(["animate", str(pipe.path), "--output", str(film)]) == 1
+    assert "needs ffmpeg" in capsys.readouterr().err
+    assert not film.exists()
+
+
 def test_faults_are_told_in_one_line(path, tmp_path, capsys):
     assert main(["summary", str(tmp_path / "none.vtkhdf")]) == 1
     assert main(["figures", str(path), "--steps", "9", "--output", str(tmp_path)]) == 1
