@@ -4,7 +4,7 @@ module coulter_sample_run
    use coulter_base_error, only: error_type, fatal_error
    use coulter_base_kinds, only: wp
    use coulter_base_text, only: to_text
-   use coulter_law, only: law_type, law_verdict_type
+   use coulter_law, only: law_sites_type, law_type, law_verdict_type
    use coulter_sample, only: sample_type, stage_type
    use coulter_sample_control, only: demand_type, reach
    use coulter_sample_record, only: add_row, new_record, record_type
@@ -59,6 +59,7 @@ contains
 
       first = state%stress
       last = merge(first, stage%target, stage%is_kept)
+      state%sites = law_sites_type(phase=number, phase_start=state%time)
       demand%is_stress = stage%is_stress
       demand%is_round = stage%is_round
       demand%change = stage%target/real(stage%n_increments, wp)

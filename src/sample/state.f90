@@ -4,7 +4,8 @@ module coulter_sample_state
    use coulter_base_kinds, only: wp
    use coulter_base_tensor, only: finger_of_log_strain_plane, inverse_2d, log_strain_plane, &
       log_strain_tangent_plane
-   use coulter_law, only: law_response_type, law_type, law_verdict_type, law_visit_type, n_plane
+   use coulter_law, only: law_response_type, law_sites_type, law_type, law_verdict_type, &
+      law_visit_type, n_plane
    use coulter_law_spatial, only: spin_of, stress_by_spin
    use coulter_sample, only: sample_type
    implicit none(type, external)
@@ -23,6 +24,8 @@ module coulter_sample_state
       real(wp) :: stress(4) = 0.0_wp
       !> State variables of the law.
       real(wp), allocatable :: law_state(:)
+      !> Number of the stage as phase, and of the next increment in it.
+      type(law_sites_type) :: sites
    contains
       procedure :: volume_ratio
    end type sample_state_type
@@ -74,6 +77,7 @@ contains
       !> Did the law fail?
       logical, intent(out) :: has_failed
       type(law_visit_type) :: visit
+      type(law_sites_type), target :: sites
       type(law_response_type) :: response
       real(wp) :: finger(4), trial(n_plane)
 
@@ -82,12 +86,16 @@ contains
       visit%time_step = time_step
       visit%point = 1
       visit%verdict => verdict
+      sites = old%sites
+      visit%sites => sites
       finger = pushed(visit%deformation, exp(change(3)), old%finger)
       call log_strain_plane(finger, trial)
       allocate (new%law_state, mold=old%law_state)
       call law%update(visit, trial, old%law_state, response, new%law_state)
       has_failed = response%has_failed
       if (has_failed) return
+      new%sites = old%sites
+      new%sites%increment = old%sites%increment + 1
       new%time = visit%time
       new%strain = old%strain + change
       new%stress = response%stress/new%volume_ratio()

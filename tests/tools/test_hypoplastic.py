@@ -170,6 +170,18 @@ def test_undrained_triaxial(folder):
     assert row["stress_yy"] + pressure == pytest.approx(stress[1, 1], rel=5e-3)
 
 
+def test_smaller_steps_are_asked_for(folder):
+    """Stretched until nothing holds the grains together: PNEWDT, and a message in the end."""
+    (folder / "loose.nml").write_text(LAW.replace("WATER", "") + """
+&sample name = 's', law = 'sand', initial_stress = 3*-100.0, 0.0, void_ratio = 0.7 /
+&stage sample = 's', test = 'oedometer', axial_strain = 0.1, increments = 20 /
+""", encoding="utf-8")
+    result = subprocess.run([PROGRAM, "point", "loose.nml"], cwd=folder, timeout=60,
+                            capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    assert "the user material asks for 0.5 of the step (PNEWDT)" in result.stderr
+
+
 SCENE = """
 &grid origin = 0.0, 0.0, spacing = 0.25, cells = 18, 10 /
 &body name = 'soil', law = 'sand', density = 1.8, k0 = 0.45, overburden = 20.0 /
