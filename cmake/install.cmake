@@ -2,6 +2,11 @@
 include(CMakePackageConfigHelpers)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/coulter)
 
+# a shared library is found from the program, wherever the installation is moved
+if(BUILD_SHARED_LIBS)
+  file(RELATIVE_PATH bin_to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
+  set_target_properties(coulter_program PROPERTIES INSTALL_RPATH $ORIGIN/${bin_to_lib})
+endif()
 install(TARGETS coulter_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS coulter EXPORT coulter-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY ${PROJECT_BINARY_DIR}/modules/ DESTINATION ${module_install_dir}
