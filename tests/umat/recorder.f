@@ -1,5 +1,5 @@
 C     Linear elasticity that notes in its state variables what it is told, and then spoils all that
-C     is not its own to change.
+C     is not its own to change. Far away its SDVINI gives up.
 C     PROPS: Young's modulus, Poisson's ratio.
 C     STATEV: 1 to 3 what SDVINI is told, STATEV(3) + COORDS; 4 TIME, 6 DTIME, 7 JSTEP, 11 KINC,
 C     12 NOEL, 13 NPT, 14 COORDS, 17 CELENT, 18 TEMP, DTEMP, PREDEF, DPRED, 22 NDI, NSHR, NTENS,
@@ -77,6 +77,7 @@ C
       SUBROUTINE SDVINI(STATEV,COORDS,NSTATV,NCRDS,NOEL,NPT,LAYER,KSPT)
       INCLUDE 'ABA_PARAM.INC'
       DIMENSION STATEV(NSTATV),COORDS(NCRDS)
+      IF (COORDS(1).GT.1.0D6) CALL XIT
       STATEV(1)=COORDS(1)
       STATEV(2)=COORDS(2)
       STATEV(3)=STATEV(3)+NCRDS
