@@ -1,4 +1,4 @@
-!> Finds corners of bodies that a step has taken through a tool.
+!> Finds corners of bodies that a step has taken through a tool, or off the face that pushes them.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_passage
    use coulter_base_kinds, only: wp
@@ -7,7 +7,7 @@ module coulter_step_passage
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
    use coulter_boundary_motion, only: motion_type, moved_by
    use coulter_model, only: model_type
-   use coulter_step_contact_state, only: whole_motion
+   use coulter_step_contact_state, only: motion_of, whole_motion
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
@@ -34,6 +34,8 @@ contains
       integer :: b, e
 
       if (.not. any(model%boundaries%is_tool)) return
+      call check_ends(model, system, failure)
+      if (allocated(failure)) return
       do b = 1, size(model%boundaries)
          if (.not. (model%boundaries(b)%is_tool .and. model%boundaries(b)%is_active)) cycle
          motion = whole_motion(system, model, b)
@@ -50,6 +52,31 @@ contains
          end do
       end do
    end subroutine check_passage
+
+   !> Refuse a step in which a face that was settled to push a corner ends up far beside it: it has
+   !> pushed on after it had gone.
+   pure subroutine check_ends(model, system, failure)
+      type(model_type), intent(in) :: model
+      type(system_type), intent(in) :: system
+      character(len=:), allocatable, intent(inout) :: failure
+      type(place_type) :: place
+      real(wp) :: moved(2, 2), slack
+      integer :: k
+
+      slack = near_end*model%grid%smallest_spacing()
+      do k = 1, system%contacts%n
+         associate (contact => system%contacts%item(k))
+            if (.not. (contact%is_settled .and. contact%is_acting)) cycle
+            moved = motion_of(system, contact)
+            place = place_on(contact%face, contact%offset, moved(:, 1))
+            if (place%distance >= -slack .and. place%distance <= contact%face%length + slack) cycle
+            failure = "tool "//model%boundaries(contact%boundary)%name//" would push a corner" &
+               //" of a body near ("//to_text(model%tiling%position(:, contact%corner)) &
+               //") that it has left"
+            return
+         end associate
+      end do
+   end subroutine check_ends
 
    !> Does a corner cross a face from its front and end up behind it?
    pure function has_passed(tool, motion, position, increment, spacing) result(answer)
