@@ -4,7 +4,7 @@
 module coulter_step_landing
    use coulter_base_kinds, only: wp
    use coulter_boundary_contact, only: contact_type, end_slack
-   use coulter_boundary_face, only: place_type
+   use coulter_boundary_face, only: place_on, place_type, reaches
    use coulter_boundary_motion, only: moved_by, turn_matrix
    use coulter_step_border, only: border_type, direction_of_turning, load_on, mode_at, set_motion
    use coulter_step_contact_state, only: locate, motion_of
@@ -19,7 +19,7 @@ module coulter_step_landing
    real(wp), parameter :: glancing = 1.0e-3_wp
    !> Gaps below this share of the spacing are closed; what is deeper behind a face than its
    !> deepest share belongs to something else.
-   real(wp), parameter :: closed = 1.0e-6_wp, deepest = 0.5_wp
+   real(wp), parameter :: closed = 1.0e-6_wp, deepest = 0.02_wp
    !> Largest angle of a part of a flight, and most parts.
    real(wp), parameter :: largest_angle = 0.1_wp
    integer, parameter :: most_parts = 100
@@ -99,11 +99,12 @@ contains
       real(wp) :: load(size(flight%way)), size_of_load
       real(wp), dimension(size(flight%way), size(flight%station)) :: along_normal, along_tangent
       type(place_type) :: place(size(flight%station))
+      real(wp) :: other(size(flight%station))
       integer :: i
 
       load = [(load_on(system%border, flight%component(i)), i=1, size(load))]
       size_of_load = norm2(load)
-      call measure(flight, system, place, along_normal, along_tangent)
+      call measure(flight, system, place, other, along_normal, along_tangent)
       call resist(load, flight, system, along_normal, along_tangent)
       flight%distance = huge(1.0_wp)
       if (.not. norm2(load) > negligible*size_of_load) return
@@ -114,38 +115,46 @@ contains
             if (contact%is_acting .or. flight%is_met(i) .or. closing < glancing &
                 .or. place(i)%gap < -deepest*spacing) cycle
             d = max(place(i)%gap, 0.0_wp)/closing
-            associate (foot => place(i)%distance + d*dot_product(flight%way, along_tangent(:, i)))
-               if (.not. is_within(contact, foot, end_slack*spacing)) d = huge(d)
+            associate (slid => d*dot_product(flight%way, along_tangent(:, i)))
+               if (.not. is_met(contact, place(i)%distance + slid, other(i) + slid, &
+                                end_slack*spacing)) d = huge(d)
             end associate
          end associate
       end do
    end subroutine look_ahead
 
-   !> Does a foot lie on the face, or on the edge that a tip presses on?
-   pure function is_within(contact, foot, slack) result(answer)
+   !> Does a face reach a corner, or a tip its edge?
+   pure function is_met(contact, foot, other, slack) result(answer)
       type(contact_type), intent(in) :: contact
-      !> Place along the face or edge, and how far both reach beyond their ends, length units.
-      real(wp), intent(in) :: foot, slack
+      !> Places of the station and of the other end of its edge along the face, or of the tip along
+      !> the edge; how far faces and edges reach beyond their ends; length units.
+      real(wp), intent(in) :: foot, other, slack
       logical :: answer
-      real(wp) :: length
 
-      length = contact%face%length
-      if (contact%tip > 0) length = norm2(contact%other_offset - contact%offset)
-      answer = foot >= -slack .and. foot <= length + slack
-   end function is_within
+      if (contact%tip > 0) then
+         answer = foot >= -slack &
+            .and. foot <= norm2(contact%other_offset - contact%offset) + slack
+      else
+         answer = contact%is_settled .or. reaches(contact%face, foot, other, slack)
+      end if
+   end function is_met
 
-   !> Places of all stations, and how their gaps and feet move with the components.
-   pure subroutine measure(flight, system, place, along_normal, along_tangent)
+   !> Places of all stations, places of the other ends of their edges along the faces, and how their gaps and feet move with the components.
+   pure subroutine measure(flight, system, place, other, along_normal, along_tangent)
       type(flight_type), intent(in) :: flight
       type(system_type), intent(in) :: system
       type(place_type), intent(out) :: place(:)
-      real(wp), intent(out) :: along_normal(:, :), along_tangent(:, :)
-      real(wp) :: position(2), mode(2), turn(2, 2)
+      real(wp), intent(out) :: other(:), along_normal(:, :), along_tangent(:, :)
+      type(place_type) :: place_of_other
+      real(wp) :: position(2), mode(2), turn(2, 2), moved(2, 2)
       integer :: i, k
 
       do i = 1, size(flight%station)
          associate (contact => system%contacts%item(flight%station(i)))
-            call locate(contact, motion_of(system, contact), place(i), position)
+            moved = motion_of(system, contact)
+            call locate(contact, moved, place(i), position)
+            place_of_other = place_on(contact%face, contact%other_offset, moved(:, 2))
+            other(i) = place_of_other%distance
             associate (free => system%border%motion(contact%boundary))
                position = moved_by(free, position)
                turn = transpose(turn_matrix(free%rotation))
