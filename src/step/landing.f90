@@ -139,7 +139,8 @@ contains
       end if
    end function is_met
 
-   !> Places of all stations, places of the other ends of their edges along the faces, and how their gaps and feet move with the components.
+   !> Places of all stations, those of the other ends of their edges along the faces, and how gaps
+   !> and feet move with the components.
    pure subroutine measure(flight, system, place, other, along_normal, along_tangent)
       type(flight_type), intent(in) :: flight
       type(system_type), intent(in) :: system
