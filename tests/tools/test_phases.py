@@ -12,10 +12,14 @@ PROGRAM = Path(os.environ.get("COULTER_EXE") or os.environ.get("COULTER_PROGRAM"
 DECK = ROOT / "input/rankine/passive.nml"
 
 
-def displacement(results, frame):
+def rows(results, path, frame):
     count = int(results["VTKHDF/NumberOfPoints"][frame])
     first = int(results["VTKHDF/Steps/PointOffsets"][frame])
-    return results["VTKHDF/PointData/displacement"][first:first + count]
+    return results[path][first:first + count]
+
+
+def displacement(results, frame):
+    return rows(results, "VTKHDF/PointData/displacement", frame)
 
 
 def test_passive_wall_rests_first(tmp_path):
@@ -33,6 +37,8 @@ def test_passive_wall_rests_first(tmp_path):
         # the floor gives way a little at rest; afterwards the wall drives all, 3 mm in a step
         assert 1e-7 < np.abs(displacement(results, 2)).max() < 1e-4
         assert np.abs(displacement(results, 3)).max() < 1.5 * 3e-3
+        way = rows(results, "VTKHDF/Points", 12) - rows(results, "VTKHDF/Points", 2)
+        assert np.abs(displacement(results, 12) - way).max() < 1e-12
         names = list(results["boundaries/name"].asstr())
         wall = results["history/boundary_displacements"][:n_rows, names.index("wall"), 0]
         assert np.allclose(wall[steps <= 2], 0.0, atol=0.0)
