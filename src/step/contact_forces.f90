@@ -26,7 +26,7 @@ module coulter_step_contact_forces
    use coulter_step_tip_forces, only: add_tip, turn_slope
    implicit none(type, external)
    private
-   public :: add_contacts
+   public :: add_contacts, penalties
 
 contains
 
@@ -313,7 +313,9 @@ contains
 
    !> Penalty stiffness along normal and tangent, stress per length: that of the paper's band.
    pure function penalties(model, contact) result(penalty)
+      !> Scene with the tiles of the station.
       type(model_type), intent(in) :: model
+      !> The station.
       type(contact_type), intent(in) :: contact
       real(wp) :: penalty(2)
       real(wp) :: lame_lambda, shear_modulus

@@ -21,6 +21,7 @@ module coulter_step_retile
    use coulter_points_transfer, only: restore_area, transfer_points
    use coulter_step_bonds, only: carry_bonds
    use coulter_step_contact_state, only: whole_motion
+   use coulter_step_contact_transfer, only: carry_contacts
    use coulter_step_report, only: add_warning
    use coulter_step_system, only: system_type
    implicit none(type, external)
@@ -105,7 +106,7 @@ contains
       type(system_type), intent(inout) :: system
       !> Is everything as it was?
       logical, intent(out) :: has_failed
-      type(tiling_type) :: tiling
+      type(tiling_type) :: tiling, old_tiling
       type(points_type) :: points
       type(held_edge_type), allocatable :: held(:)
       type(loaded_edge_type), allocatable :: loaded(:)
@@ -129,10 +130,10 @@ contains
       if (allocated(system%bonds)) call carry_bonds(system%bonds, tiling, model%tiling)
       call move_alloc(held, system%held_edges)
       call move_alloc(loaded, system%loaded_edges)
-      ! the next step begins with smooth contacts: predictions from edges that are gone do not hold
-      system%last_contacts%n = 0
+      old_tiling = model%tiling
       model%tiling = tiling
       model%points = points
+      call carry_contacts(system, model, old_tiling)
       system%way_since_tiling = 0.0_wp
    end subroutine retile_model
 
