@@ -45,6 +45,8 @@ module coulter_law_abstract
       integer :: point = 0
       !> In-plane deformation gradient of the step.
       real(wp) :: deformation(2, 2) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
+      !> Share of the elastic tangent that the method mixes into that of the law.
+      real(wp) :: stiffening = 0.0_wp
       !> Where the points are; not associated when no law asks, or nobody knows.
       type(law_sites_type), pointer :: sites => null()
       !> Where a law that fails may say why; not associated when nobody asks.

@@ -5,6 +5,7 @@ module coulter_step_phases
    use coulter_boundary_held_edge, only: find_held_edges, held_edge_type
    use coulter_model, only: model_type
    use coulter_model_phases, only: activate
+   use coulter_step_guess, only: forget_motion
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
@@ -26,6 +27,7 @@ contains
          model%points%displacement = 0.0_wp
       end if
       call activate(model, phase)
+      call forget_motion(system)
       if (allocated(system%held_edges)) call renew_held_edges(model, system%held_edges)
    end subroutine begin_phase
 

@@ -94,8 +94,28 @@ contains
       has_failed = answer%has_failed
       if (has_failed) return
       response%stress = answer%stress
+      if (visit%stiffening > 0.0_wp .and. .not. law%is_elastic) then
+         call stiffen(law, visit%stiffening, law_state, answer)
+      end if
       call law%spatial_moduli(finger, strain, answer, response%moduli)
    end subroutine respond
+
+   !> Mix elastic stiffness into a tangent.
+   pure subroutine stiffen(law, share, law_state, answer)
+      class(law_type), intent(in) :: law
+      real(wp), intent(in) :: share, law_state(:)
+      type(law_response_type), intent(inout) :: answer
+      real(wp) :: lame_lambda, shear_modulus
+      integer :: i
+
+      call law%elastic_moduli(answer%stress, law_state(:law%n_state), lame_lambda, shear_modulus)
+      answer%tangent = (1.0_wp - share)*answer%tangent
+      answer%tangent(:3, :3) = answer%tangent(:3, :3) + share*lame_lambda
+      do i = 1, n_plane
+         answer%tangent(i, i) = answer%tangent(i, i) &
+            + merge(2.0_wp, 1.0_wp, i < n_plane)*share*shear_modulus
+      end do
+   end subroutine stiffen
 
    !> Add the internal force and the tangent of a point to those of its cell:
    !> f_v = tau dN_v/dx V0 and K_vw = V0 dN_v,j A_ijkl dN_w,l. Arguments: see `respond`.

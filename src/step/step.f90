@@ -7,6 +7,7 @@ module coulter_step
    use coulter_model_observer, only: phase_accept, phase_locate, phase_number, step_report_type
    use coulter_step_accept, only: accept_step
    use coulter_step_assembly, only: apply_dead_loads, assemble
+   use coulter_step_guess, only: forget_motion, remember_motion
    use coulter_step_newton, only: newton_type, solve_newton
    use coulter_step_passage, only: check_passage
    use coulter_step_report, only: report_step
@@ -43,6 +44,7 @@ contains
       if (allocated(failure)) return
       call apply_dead_loads(system, model)
       call solve_newton(newton, system, model)
+      call forget_motion(system)
       if (allocated(newton%failure)) then
          call move_alloc(newton%failure, failure)
          return
@@ -53,6 +55,7 @@ contains
       if (allocated(model%tiling)) call check_passage(model, system, failure)
       if (.not. allocated(failure)) call accept_step(model, system, failure)
       if (.not. allocated(failure)) then
+         if (allocated(model%tiling)) call remember_motion(system)
          call report_step(report, model, system, newton)
          call retile_if_distorted(model, system, report)
       end if

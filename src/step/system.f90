@@ -22,7 +22,16 @@ module coulter_step_system
    use coulter_step_unknowns, only: coupling_type
    implicit none(type, external)
    private
-   public :: system_type, renew_pattern, make_room, system_memory
+   public :: system_type, motion_memory_type, renew_pattern, make_room, system_memory
+
+   !> Motion of the nodes in a step.
+   type :: motion_memory_type
+      !> Grid index of every active node, shape (2, n_nodes).
+      integer, allocatable :: node_index(:, :)
+      !> How far it moved, length units, shape (2, n_nodes), and in what time.
+      real(wp), allocatable :: increment(:, :)
+      real(wp) :: duration = 0.0_wp
+   end type motion_memory_type
 
    !> Everything that lives for one step, and what is kept from step to step because it may not
    !> have changed (pattern, symbolic factorisation).
@@ -88,6 +97,10 @@ module coulter_step_system
       real(wp), allocatable :: values(:)
       !> Is the tangent assembled with the forces?
       logical :: needs_tangent = .true.
+      !> Share of the elastic tangent that laws mix into theirs; 0 for consistent tangents.
+      real(wp) :: stiffening = 0.0_wp
+      !> Motion of the last step, with tiles, unless the next one begins without it.
+      type(motion_memory_type), allocatable :: last_motion
       !> Direct solver.
       type(solver_type) :: solver
       !> Has the pattern of the last step been used again?
@@ -136,6 +149,7 @@ contains
       visit%point = point
       visit%sites => self%sites
       visit%verdict => self%verdict
+      visit%stiffening = self%stiffening
    end function visit
 
    !> Before laws are asked: none has failed.
@@ -212,6 +226,9 @@ contains
       end if
       if (allocated(system%tile_patches)) then
          bytes = bytes + tile_patches_memory(system%tile_patches)
+      end if
+      if (allocated(system%last_motion)) then
+         bytes = bytes + 12_long*int(size(system%last_motion%increment), long)
       end if
       if (allocated(system%map%area)) then
          bytes = bytes + 8_long*int(10*size(system%map%area) + 8*size(system%map%shape, 2) &
