@@ -38,8 +38,6 @@ contains
       if (.not. has_guess) return
       associate (last => system%last_motion)
          scale = (system%end_time - system%start_time)/last%duration
-         has_guess = scale*maxval(abs(last%increment)) <= farthest*model%grid%smallest_spacing()
-         if (.not. has_guess) return
          call place_nodes(last%node_index, system%cells%node_index, place)
          do node = 1, system%cells%n_nodes
             associate (value => scale*motion_near(last%increment, place, &
@@ -50,6 +48,9 @@ contains
             end associate
          end do
       end associate
+      ! what outer nodes extrapolate is no measure
+      has_guess = maxval(abs(unknowns)) <= farthest*model%grid%smallest_spacing()
+      if (.not. has_guess) unknowns = 0.0_wp
    end subroutine guess_motion
 
    !> Where the nodes of the last step are, on a window that holds those of both steps and a margin:
