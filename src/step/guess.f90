@@ -1,8 +1,8 @@
 !> A first guess of the motion of a step: that of the last one goes on.
 !>
-!> The grid stands still while material flows through it, so that the field of the last step is known
-!> where it is needed, whatever has become of the tiles. In steady flow it is all but the answer, and
-!> points that flow are found to flow in the first tangent.
+!> The grid stands still while material flows through it, so that the field of the last step is
+!> known where it is needed, whatever has become of the tiles. In steady flow it is all but the answer,
+!> and points that flow are found to flow in the first tangent.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_guess
    use coulter_base_kinds, only: wp
@@ -17,8 +17,8 @@ module coulter_step_guess
 
 contains
 
-   !> Unknowns at which Newton's method begins: zero, or the last motion over the length of the step.
-   !> A node that took no part then moves like its neighbours.
+   !> Unknowns at which Newton's method begins: zero, or the last motion over the length of the
+   !> step. A node that took no part then moves like its neighbours.
    pure subroutine guess_motion(system, model, unknowns, has_guess)
       !> Numbered system.
       type(system_type), intent(in) :: system

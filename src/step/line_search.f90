@@ -12,8 +12,8 @@ module coulter_step_line_search
 
    !> Corrections are halved at most to this share to keep every point the right side out.
    real(wp), parameter :: smallest_share = 1.0e-3_wp
-   !> Evaluations that a line search may take; the share of |G| that is small enough, and the one that
-   !> is asked for once the zero has been passed where material may flow.
+   !> Evaluations that a line search may take; the share of |G| that is small enough, and the one
+   !> that is asked for once the zero has been passed where material may flow.
    integer, parameter :: most_searches = 6
    real(wp), parameter :: good_share = 0.8_wp, fine_share = 0.3_wp
 
@@ -27,8 +27,8 @@ contains
 
    !> Apply the correction, shortened as far as it takes to keep every point the right side out and,
    !> where contacts may open and close, to come nearer to equilibrium. Where material may flow, one
-   !> that is larger than all motion so far comes from a tangent that is too soft, and is shortened to
-   !> that.
+   !> that is larger than all motion so far comes from a tangent that is too soft, and is shortened
+   !> to that.
    subroutine advance(newton, system, model)
       !> The iteration, with a correction.
       type(newton_type), intent(inout) :: newton
@@ -100,8 +100,9 @@ contains
       end if
    end subroutine narrow
 
-   !> Newton's method for G from beyond the zero, where contacts have closed and points unload: there
-   !> G is steep, and its tangent finds the kink that a secant creeps up to. Else regula falsi.
+   !> Newton's method for G from beyond the zero, where contacts have closed and points unload:
+   !> there G is steep, and its tangent finds the kink that a secant creeps up to. Else regula
+   !> falsi.
    pure function next_share(bracket, share, now, slope) result(next)
       type(bracket_type), intent(in) :: bracket
       real(wp), intent(in) :: share, now, slope
@@ -115,7 +116,8 @@ contains
       if (share - now/slope > bracket%low) next = share - now/slope
    end function next_share
 
-   !> Slope of G where material may flow; 0 where it is not known, without tangent or with free tools.
+   !> Slope of G where material may flow; 0 where it is not known, without tangent or with free
+   !> tools.
    function slope_along(newton, system) result(slope)
       type(newton_type), intent(in) :: newton
       type(system_type), intent(in) :: system

@@ -225,8 +225,9 @@ contains
       if (.not. allocated(newton%failure)) call solve_tangent(newton, system, model)
    end subroutine find_correction
 
-   !> Is a plastic tangent too soft, or not even positive, on the way that it proposes? Where material
-   !> flows all the way through a body little holds that back, and less without associated flow.
+   !> Is a plastic tangent too soft, or not even positive, on the way that it proposes? Where
+   !> material flows all the way through a body little holds that back, and less without associated
+   !> flow.
    pure function is_too_soft(newton) result(answer)
       type(newton_type), intent(in) :: newton
       logical :: answer
