@@ -1,8 +1,8 @@
 !> A first guess of the motion of a step: that of the last one goes on.
 !>
 !> The grid stands still while material flows through it, so that the field of the last step is
-!> known where it is needed, whatever has become of the tiles. In steady flow it is all but the answer,
-!> and points that flow are found to flow in the first tangent.
+!> known where it is needed, whatever has become of the tiles. In steady flow it is all but the
+!> answer, and points that flow are found to flow in the first tangent.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_guess
    use coulter_base_kinds, only: wp

@@ -88,8 +88,8 @@ contains
    end function expects_end
 
    !> Residuals relative to the internal or external force as it is now; 1 while both vanish.
-   !> Penalty forces are left out of the reference: they would hide everything else (theory, section 1).
-   !> So are forces before the first correction, which may be mere round-off.
+   !> Penalty forces are left out of the reference: they would hide everything else (theory, section
+   !> 1). So are forces before the first correction, which may be mere round-off.
    subroutine measure(newton, system)
       !> The iteration; gets `residuals`.
       type(newton_type), intent(inout) :: newton
