@@ -455,7 +455,7 @@ PROBLEMS = {
         "relative error of the bearing capacity",
         footing,
         footing_error,
-        (2, 4, 8, 16, 32),
+        (2, 4, 8, 16, 24),
         8,
         ("default", "default_2x2", "default_fbar", "mpm_fbar", "gimp_fbar"),
     ),
