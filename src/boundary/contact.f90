@@ -34,6 +34,9 @@ module coulter_boundary_contact
       integer :: edge = 0, end_of_edge = 0
       !> Length of face that the station stands for.
       real(wp) :: weight = 0.0_wp
+      !> Near open ends of the face: how far the corner may get behind it before it is held, length
+      !> units, and what the face adds to the pressure of the material until then, over that.
+      real(wp) :: give = 0.0_wp, hold = 0.0_wp
       !> The face at the end of the step.
       type(face_type) :: face
       !> Corners of the edge at the start of the step, from the first end of the face, length units.

@@ -9,6 +9,7 @@ module coulter_boundary_contact_search
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type, reaches
    use coulter_boundary_held_edge, only: held_edge_type
    use coulter_boundary_motion, only: largest_shift, motion_type, moved_by
+   use coulter_boundary_overlap, only: belongs_to_next, depth_beside, find_overlap, overlap_type
    use coulter_boundary_tip, only: covered_share, find_tips, tip_type
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
@@ -25,8 +26,8 @@ module coulter_boundary_contact_search
       !> Its sharp corners, if it is a tool.
       type(tip_type), allocatable :: tips(:)
       !> Edges farther away than `reach` or behind a face by more than `deepest` cannot be met;
-      !> faces reach `slack` beyond their ends, length units.
-      real(wp) :: reach = 0.0_wp, deepest = 0.0_wp, slack = 0.0_wp
+      !> faces reach `slack` beyond their ends; spacing of the grid, length units.
+      real(wp) :: reach = 0.0_wp, deepest = 0.0_wp, slack = 0.0_wp, spacing = 0.0_wp
    end type approach_type
 
    !> Faces this far away may be met within a step, over the spacing.
@@ -34,6 +35,9 @@ module coulter_boundary_contact_search
    !> Edges deeper behind a face than this, over the spacing, and the way that the face has come in
    !> the step belong to something else.
    real(wp), parameter :: deepest = 1.0_wp
+   !> Corners nearer than this to the bisector of a corner of a tool belong to both of its faces, and
+   !> what came round it by less than this is pushed out at once, over the spacing.
+   real(wp), parameter :: touching = 1.0e-6_wp, round_slack = 0.02_wp
 
 contains
 
@@ -91,6 +95,7 @@ contains
       approach%reach = reach*spacing + 2.0_wp*maxval([0.0_wp, shift])
       approach%deepest = deepest*spacing + shift
       approach%slack = end_slack*spacing
+      approach%spacing = spacing
    end subroutine look_ahead
 
    !> Stations at both ends of an edge against one face.
@@ -103,6 +108,7 @@ contains
       type(tiling_type), intent(in) :: tiling
       type(held_edge_type), intent(in) :: held
       type(contact_type) :: contact
+      type(overlap_type) :: overlap
       real(wp) :: weight(2), ends(2, 2)
       integer :: k
 
@@ -118,21 +124,54 @@ contains
       contact%is_bilateral = boundary%is_bilateral
       contact%is_fixed = boundary%kind == kind_fixed
       contact%rubs = boundary%has_friction() .and. .not. contact%is_fixed
-      associate (tips => approach%tips)
-         if (.not. boundary%is_bilateral) contact%is_settled = any(tips%faces(1) == s &
-                                                                   .or. tips%faces(2) == s)
-         weight = weight*covered_share(tips, boundary, s, e, ends)
-      end associate
+      call cover(overlap, boundary, s, approach, e, ends)
+      weight = 2.0_wp*weight*overlap%share
       do k = 1, 2
          contact%weight = weight(k)
          if (.not. weight(k) > 0.0_wp) cycle
          call settle_end(contact, k, tiling, approach, held)
-         if (contact%is_settled) then
-            if (.not. starts_on(boundary, s, ends(:, [k, 3 - k]), approach%slack)) cycle
-         end if
+         call settle_reach(contact, boundary, approach, overlap, ends(:, [k, 3 - k]))
+         if (.not. contact%weight > 0.0_wp) cycle
          call append_contact(contacts, contact)
       end do
    end subroutine meet
+
+   !> What a face covers of an edge.
+   pure subroutine cover(overlap, boundary, s, approach, e, ends)
+      type(overlap_type), intent(out) :: overlap
+      type(boundary_type), intent(in) :: boundary
+      integer, intent(in) :: s, e
+      type(approach_type), intent(in) :: approach
+      real(wp), intent(in) :: ends(2, 2)
+
+      if (size(approach%tips) == 0) return
+      call find_overlap(overlap, boundary, approach%tips, s, ends, approach%spacing)
+      if (overlap%is_partial) return
+      overlap%share = 0.5_wp*covered_share(approach%tips, boundary, s, e, ends)
+   end subroutine cover
+
+   !> Beside sharp corners of a tool: does its face reach a corner of the body in this step, and how
+   !> hard? The weight becomes 0 if it does not.
+   pure subroutine settle_reach(contact, boundary, approach, overlap, ends)
+      type(contact_type), intent(inout) :: contact
+      type(boundary_type), intent(in) :: boundary
+      type(approach_type), intent(in) :: approach
+      type(overlap_type), intent(in) :: overlap
+      !> The corner, and the other end of the edge.
+      real(wp), intent(in) :: ends(2, 2)
+
+      associate (tips => approach%tips, s => contact%segment, k => contact%end_of_edge)
+         contact%is_settled = .not. boundary%is_bilateral &
+            .and. any(tips%faces(1) == s .or. tips%faces(2) == s)
+         contact%give = overlap%give(k)
+         contact%hold = overlap%hold(k)
+         if (overlap%is_partial .or. .not. contact%is_settled) return
+         contact%give = depth_beside(boundary, tips, s, ends(:, 1), round_slack*approach%spacing)
+         contact%hold = 0.0_wp
+         if (.not. starts_on(boundary, s, ends, approach%slack) .or. belongs_to_next( &
+             boundary, tips, s, ends(:, 1), touching*approach%spacing)) contact%weight = 0.0_wp
+      end associate
+   end subroutine settle_reach
 
    !> Does a face reach the first end of an edge, given by both ends, before the step?
    pure function starts_on(boundary, s, ends, slack) result(answer)
@@ -165,7 +204,7 @@ contains
 
       do i = 1, size(approach%tips)
          associate (tip => approach%tips(i))
-            if (tip%edge /= e) cycle
+            if (tip%edge /= e .or. any(tip%is_open)) cycle
             ends = tiling%position(:, tiling%outer_edge(:2, e))
             contact = contact_type(boundary=approach%number, edge=e, tile=tiling%outer_edge(3, e), &
                                    tip=tip%vertex, share=tip%share, end_of_edge=1)

@@ -4,6 +4,7 @@ module coulter_boundary_tip
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
+   use coulter_boundary_open_end, only: ends_openly
    use coulter_points_tiling, only: nearest_outer_edge, tiling_type
    implicit none(type, external)
    private
@@ -13,6 +14,11 @@ module coulter_boundary_tip
    type :: tip_type
       !> Vertex of the tool, and its faces before and after it.
       integer :: vertex = 0, faces(2) = 0
+      !> Unit normals of these faces at the corner, and unit tangents that lead from it along them,
+      !> shape (component, face).
+      real(wp) :: normal(2, 2) = 0.0_wp, inward(2, 2) = 0.0_wp
+      !> Do these faces end openly here?
+      logical :: is_open(2) = .false.
       !> Outer edge that is nearest, and where on it the tip is: 0 at its first end, 1 at its last.
       integer :: edge = 0
       real(wp) :: share = 0.0_wp
@@ -47,8 +53,8 @@ contains
       !> Grid spacing.
       real(wp), intent(in) :: spacing
       type(tip_type) :: tip
-      real(wp) :: normal(2), ends(2, 2), foot(2)
-      integer :: v, n
+      real(wp) :: ends(2, 2), foot(2)
+      integer :: v, n, k
       logical :: is_sharp
 
       allocate (tips(0))
@@ -58,15 +64,22 @@ contains
          tip%vertex = v
          tip%faces = [merge(v - 1, n, v > 1), v]
          if (v == 1 .and. .not. is_closed(tool)) cycle
-         call look_at_corner(tool, tip%faces, is_sharp, normal)
+         call look_at_corner(tool, tip%faces, is_sharp, tip%normal)
          if (.not. is_sharp) cycle
          call nearest_outer_edge(tiling, tool%vertices(:, v), tip%edge, tip%share, &
-                                 looks_at(tiling, normal))
+                                 looks_at(tiling, sum(tip%normal, dim=2)))
          if (tip%edge == 0) cycle
          ends = tiling%position(:, tiling%outer_edge(:2, tip%edge))
          tip%share = min(max(tip%share, 0.0_wp), 1.0_wp)
          foot = ends(:, 1) + tip%share*(ends(:, 2) - ends(:, 1))
          if (norm2(foot - tool%vertices(:, v)) > reach*spacing) cycle
+         do k = 1, 2
+            ! the face before the corner runs towards it
+            tip%inward(:, k) = real(2*k - 3, wp)*[tip%normal(2, k), -tip%normal(1, k)]
+            tip%is_open(k) = ends_openly(tool, tip%faces(k), tool%vertices(:, v), &
+                                         tip%normal(:, [k, 3 - k]), tip%inward(:, k), tiling, &
+                                         spacing)
+         end do
          tips = [tips, tip]
       end do
    end subroutine find_tips
@@ -130,12 +143,12 @@ contains
       end associate
    end function is_closed
 
-   !> Is the corner between two faces sharp and convex, and which way does it look?
+   !> Is the corner between two faces sharp and convex, and which way do they look?
    pure subroutine look_at_corner(tool, faces, is_sharp, normal)
       type(boundary_type), intent(in) :: tool
       integer, intent(in) :: faces(2)
       logical, intent(out) :: is_sharp
-      real(wp), intent(out) :: normal(2)
+      real(wp), intent(out) :: normal(2, 2)
       type(face_type) :: face
       type(place_type) :: place(2)
       integer :: k
@@ -149,8 +162,8 @@ contains
       associate (before => place(1)%tangent, after => place(2)%tangent)
          is_sharp = before(1)*after(2) - before(2)*after(1) < -sharp
       end associate
-      normal = place(1)%normal + place(2)%normal
-      normal = normal/max(norm2(normal), tiny(1.0_wp))
+      normal(:, 1) = place(1)%normal
+      normal(:, 2) = place(2)%normal
    end subroutine look_at_corner
 
    !> Which outer edges look at a corner?
@@ -158,13 +171,14 @@ contains
       type(tiling_type), intent(in) :: tiling
       real(wp), intent(in) :: normal(2)
       logical :: answer(size(tiling%outer_edge, 2))
-      real(wp) :: along(2)
+      real(wp) :: along(2), least
       integer :: e
 
+      least = facing*norm2(normal)
       do e = 1, size(answer)
          along = tiling%position(:, tiling%outer_edge(2, e)) &
             - tiling%position(:, tiling%outer_edge(1, e))
-         answer(e) = along(2)*normal(1) - along(1)*normal(2) < facing*norm2(along)
+         answer(e) = along(2)*normal(1) - along(1)*normal(2) < least*norm2(along)
       end do
    end function looks_at
 

@@ -13,6 +13,7 @@ module coulter_step_contact_forces
    use coulter_boundary_friction, only: cut_off, friction_of, friction_type, press, rub, &
       rub_type
    use coulter_boundary_ibm, only: band_stiffness_factor
+   use coulter_boundary_limit, only: limit_press, limit_rub, limit_type
    use coulter_boundary_motion, only: turn_matrix
    use coulter_boundary_tip, only: edge_place_type, place_on_edge
    use coulter_model, only: model_type, point_moduli
@@ -165,6 +166,9 @@ contains
       angle = system%border%motion(contact%boundary)%rotation
       if (abs(angle) > 0.0_wp) call turn_material(-angle, material, by_vertices)
       call press(answer, place%place_type, material, penalty(1))
+      if (contact%give > 0.0_wp) call limit_press(answer, place%place_type, &
+                                                  limit_of(system, model, contact, &
+                                                           place%place_type), penalty(1))
       overlap = answer%traction(1)/penalty(1)
       if (contact%opening > untouched) then
          call hold_back(system, model%boundaries(contact%boundary), contact, place%place_type, &
@@ -176,8 +180,7 @@ contains
       if (contact%is_fixed) then
          call rub(answer, place%place_type, material, penalty, lag, friction_type(), 0)
       else if (contact%rubs .and. .not. system%is_smooth) then
-         call rub_along(system, model%boundaries(contact%boundary), contact, place%place_type, &
-                        material, penalty, lag, answer)
+         call rub_along(system, model, contact, place%place_type, material, penalty, lag, answer)
       end if
       contact%traction = answer%traction
       if (contact%tip > 0) then
@@ -241,20 +244,43 @@ contains
       end do
    end subroutine turn_station
 
-   !> Friction, and where the station will stick from now on.
-   subroutine rub_along(system, boundary, contact, place, material, penalty, lag, answer)
+   !> Limits of a station near an open end of its face, from the nominal traction of its tile at the
+   !> start of the step.
+   pure function limit_of(system, model, contact, place) result(limit)
       type(system_type), intent(in) :: system
-      type(boundary_type), intent(in) :: boundary
+      type(model_type), intent(in) :: model
+      type(contact_type), intent(in) :: contact
+      type(place_type), intent(in) :: place
+      type(limit_type) :: limit
+      real(wp) :: traction(2)
+
+      associate (stress => model%points%converged%kirchhoff_stress(:, contact%tile))
+         traction = matmul(reshape(stress([1, 4, 4, 2]), [2, 2]), place%normal) &
+            *model%points%reference_volume(contact%tile)/system%map%area(contact%tile)
+      end associate
+      limit%traction = [dot_product(traction, place%normal), dot_product(traction, place%tangent)]
+      limit%margin = contact%hold*max(0.0_wp, -limit%traction(1))
+      limit%give = contact%give
+   end function limit_of
+
+   !> Friction, and where the station will stick from now on.
+   subroutine rub_along(system, model, contact, place, material, penalty, lag, answer)
+      type(system_type), intent(in) :: system
+      type(model_type), intent(in) :: model
       type(contact_type), intent(inout) :: contact
       type(place_type), intent(in) :: place
       real(wp), intent(in) :: material(2), penalty(2), lag(2)
       type(rub_type), intent(inout) :: answer
 
-      if (contact%has_landed .or. (system%is_predicting .and. contact%was_acting)) then
-         call rub(answer, place, material, penalty, lag, friction_of(boundary), contact%last_slip)
-      else
-         call rub(answer, place, material, penalty, lag, friction_of(boundary))
-      end if
+      associate (friction => friction_of(model%boundaries(contact%boundary)))
+         if (contact%has_landed .or. (system%is_predicting .and. contact%was_acting)) then
+            call rub(answer, place, material, penalty, lag, friction, contact%last_slip)
+         else
+            call rub(answer, place, material, penalty, lag, friction)
+         end if
+      end associate
+      if (contact%give > 0.0_wp) call limit_rub(answer, place, limit_of(system, model, contact, &
+                                                                        place))
       contact%slip = answer%slip
       contact%new_lag = (answer%traction(2) - dot_product(place%tangent, material))/penalty(2) &
          *place%tangent
