@@ -17,8 +17,9 @@ module coulter_boundary_trimming
    real(wp), parameter :: deepest = 0.5_wp
    !> A face acts on edges that look at it: the product of both normals is below this.
    real(wp), parameter :: facing = -0.3_wp
-   !> Outlines that pass a corner of a tool by less than this keep a corner there, over the spacing.
-   real(wp), parameter :: passing = 0.25_wp
+   !> Outlines that pass a corner of a tool by less than this keep a corner there, over the spacing:
+   !> outside the body, and inside it, where bodies that gave beside the tool cut that off.
+   real(wp), parameter :: passing = 0.25_wp, cut_off = 1.0_wp
    !> Corners of the outline nearer than this to one of a tool move there, over the spacing.
    real(wp), parameter :: merging = 0.2_wp
    !> Edges of the outline that pass deeper than this behind an arc get a corner on it, over the
@@ -125,7 +126,7 @@ contains
 
       associate (vertex => boundary%vertices(:, v))
          is_inside = encloses(outline, vertex)
-         limit = merge(deepest, passing, is_inside)*spacing
+         limit = merge(cut_off, passing, is_inside)*spacing
          call nearest_edge(outline, boundary, v, limit, edge, share)
          if (edge == 0) return
          ends = outline%corner(:, [edge, outline%next(edge)])
