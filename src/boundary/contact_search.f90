@@ -9,7 +9,8 @@ module coulter_boundary_contact_search
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type, reaches
    use coulter_boundary_held_edge, only: held_edge_type
    use coulter_boundary_motion, only: largest_shift, motion_type, moved_by
-   use coulter_boundary_overlap, only: belongs_to_next, depth_beside, find_overlap, overlap_type
+   use coulter_boundary_overlap, only: belongs_to_next, depth_beside, find_overlap, &
+      overlap_type
    use coulter_boundary_tip, only: covered_share, find_tips, tip_type
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
@@ -35,9 +36,8 @@ module coulter_boundary_contact_search
    !> Edges deeper behind a face than this, over the spacing, and the way that the face has come in
    !> the step belong to something else.
    real(wp), parameter :: deepest = 1.0_wp
-   !> Corners nearer than this to the bisector of a corner of a tool belong to both of its faces, and
-   !> what came round it by less than this is pushed out at once, over the spacing.
-   real(wp), parameter :: touching = 1.0e-6_wp, round_slack = 0.02_wp
+   !> What came round a corner of a tool by less than this is pushed out at once, over the spacing.
+   real(wp), parameter :: round_slack = 0.02_wp
 
 contains
 
@@ -168,8 +168,8 @@ contains
          if (overlap%is_partial .or. .not. contact%is_settled) return
          contact%give = depth_beside(boundary, tips, s, ends(:, 1), round_slack*approach%spacing)
          contact%hold = 0.0_wp
-         if (.not. starts_on(boundary, s, ends, approach%slack) .or. belongs_to_next( &
-             boundary, tips, s, ends(:, 1), touching*approach%spacing)) contact%weight = 0.0_wp
+         if (.not. starts_on(boundary, s, ends, approach%slack)) contact%weight = 0.0_wp
+         if (belongs_to_next(boundary, tips, s, ends(:, 1), approach%slack)) contact%weight = 0.0_wp
       end associate
    end subroutine settle_reach
 

@@ -1,5 +1,5 @@
-!> Faces of tools that end openly: the body goes on beyond the sharp corner, and no other face of the
-!> tool presses on it there, as beside a footing or below a blade.
+!> Faces of tools that end openly: the body goes on beyond the sharp corner, and no other face of
+!> the tool presses on it there, as beside a footing.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_boundary_open_end
    use coulter_base_kinds, only: wp
@@ -18,9 +18,11 @@ module coulter_boundary_open_end
    real(wp), parameter :: shortest = 4.0_wp
    !> The tool moves against the other face by less than this share of its way against this one.
    real(wp), parameter :: most_shared = 0.5_wp
-   !> A body rests on a face if a corner is this near to it, and goes on if another one is this far
-   !> beyond its end and not farther than this before its line, over the spacing.
-   real(wp), parameter :: near = 0.1_wp, beyond(2) = [0.5_wp, 2.0_wp], before = 1.0_wp
+   !> A body rests on a face if corners are this near to it, over the spacing, up to this share of
+   !> its length from the end, as under a footing; and goes on if another one is this far beyond the
+   !> end and not farther than this before its line, over the spacing.
+   real(wp), parameter :: near = 0.1_wp, covered = 0.45_wp, beyond(2) = [0.5_wp, 2.0_wp], &
+      before = 1.0_wp
 
 contains
 
@@ -54,9 +56,10 @@ contains
          place = tiling%position(:, tiling%outer_edge(1, e)) - corner
          distance = dot_product(place, inward)/spacing
          gap = dot_product(place, normal(:, 1))/spacing
-         rests = rests .or. (abs(gap) < near .and. distance > end_reach &
+         rests = rests .or. (abs(gap) < near .and. distance > covered*length/spacing &
                              .and. distance < length/spacing - end_reach)
-         goes_on = goes_on .or. (gap < before .and. -distance > beyond(1) .and. -distance < beyond(2))
+         goes_on = goes_on .or. (gap < before .and. -distance > beyond(1) &
+                                 .and. -distance < beyond(2))
       end do
       answer = rests .and. goes_on
    end function ends_openly

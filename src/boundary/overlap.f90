@@ -78,8 +78,9 @@ contains
       end where
    end subroutine ease
 
-   !> Is a position behind a face nearer to the face beyond one of its sharp corners?
-   pure function belongs_to_next(tool, tips, segment, position, tolerance) result(answer)
+   !> Is a position that is deep behind a face nearer to the face beyond one of its sharp corners,
+   !> or before that?
+   pure function belongs_to_next(tool, tips, segment, position, slack) result(answer)
       !> The tool.
       type(boundary_type), intent(in) :: tool
       !> Its sharp corners.
@@ -87,18 +88,17 @@ contains
       !> Number of the face.
       integer, intent(in) :: segment
       !> The position, and by how much it must be nearer, length units.
-      real(wp), intent(in) :: position(2), tolerance
+      real(wp), intent(in) :: position(2), slack
       logical :: answer
+      real(wp) :: gap(2)
       integer :: i, k
 
       answer = .false.
       do i = 1, size(tips)
          k = findloc(tips(i)%faces, segment, dim=1)
          if (k == 0) cycle
-         associate (own => tips(i)%normal(:, k), next => tips(i)%normal(:, 3 - k))
-            answer = answer .or. dot_product(own - next, position &
-                                             - tool%vertices(:, tips(i)%vertex)) < -tolerance
-         end associate
+         gap = matmul(position - tool%vertices(:, tips(i)%vertex), tips(i)%normal(:, [k, 3 - k]))
+         answer = answer .or. gap(1) < min(gap(2), 0.0_wp) - slack
       end do
    end function belongs_to_next
 
