@@ -54,7 +54,7 @@ contains
    end subroutine check_passage
 
    !> Refuse a step in which a face that was settled to push a corner ends up far beside it: it has
-   !> pushed on after it had gone.
+   !> pushed on after it had gone. What gives may go.
    pure subroutine check_ends(model, system, failure)
       type(model_type), intent(in) :: model
       type(system_type), intent(in) :: system
@@ -66,7 +66,7 @@ contains
       slack = near_end*model%grid%smallest_spacing()
       do k = 1, system%contacts%n
          associate (contact => system%contacts%item(k))
-            if (.not. (contact%is_settled .and. contact%is_acting)) cycle
+            if (.not. (contact%is_settled .and. contact%is_acting) .or. contact%give > 0.0_wp) cycle
             moved = motion_of(system, contact)
             place = place_on(contact%face, contact%offset, moved(:, 1))
             if (place%distance >= -slack .and. place%distance <= contact%face%length + slack) cycle
