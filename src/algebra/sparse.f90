@@ -5,7 +5,8 @@ module coulter_algebra_sparse
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: element_dofs_type, pattern_type, add_element_matrix, multiply, find_mirror, joined
+   public :: element_dofs_type, pattern_type, add_element_matrix, add_blocks, &
+      multiply, find_mirror, joined
 
    !> The unknowns that every element couples, in ragged rows.
    type :: element_dofs_type
@@ -15,6 +16,11 @@ module coulter_algebra_sparse
       integer, allocatable :: start(:)
       !> Unknowns from 1, or 0 for a degree of freedom that is not unknown, shape (n_entries).
       integer, allocatable :: dof(:)
+      !> How many of them, the first ones, are the columns of an element; all of them are its rows.
+      !> Shape (n_elements); unallocated where all elements are square.
+      integer, allocatable :: n_columns(:)
+   contains
+      procedure :: columns_of
    end type element_dofs_type
 
    !> Sparsity pattern of a square matrix, zero-based as the C solvers want it.
@@ -44,13 +50,30 @@ contains
       !> The lists.
       type(element_dofs_type), intent(in) :: first, second
       type(element_dofs_type) :: both
-      integer :: n
+      integer :: n, e
 
       n = first%start(first%n_elements + 1) - 1
       both%n_elements = first%n_elements + second%n_elements
       both%start = [first%start(:first%n_elements), second%start(:second%n_elements + 1) + n]
       both%dof = [first%dof(:n), second%dof(:second%start(second%n_elements + 1) - 1)]
+      if (.not. (allocated(first%n_columns) .or. allocated(second%n_columns))) return
+      both%n_columns = [(first%columns_of(e), e=1, first%n_elements), &
+                        (second%columns_of(e), e=1, second%n_elements)]
    end function joined
+
+   !> Number of columns of an element.
+   pure function columns_of(self, element) result(n)
+      class(element_dofs_type), intent(in) :: self
+      !> Number of the element.
+      integer, intent(in) :: element
+      integer :: n
+
+      if (allocated(self%n_columns)) then
+         n = self%n_columns(element)
+      else
+         n = self%start(element + 1) - self%start(element)
+      end if
+   end function columns_of
 
    !> Add a dense element matrix to the values of a sparse one.
    pure subroutine add_element_matrix(pattern, element, matrix, values)
@@ -58,7 +81,7 @@ contains
       type(pattern_type), intent(in) :: pattern
       !> Number of the element.
       integer, intent(in) :: element
-      !> Element matrix, columns first, shape (m*m).
+      !> Element matrix, columns first, shape (n_rows*n_columns).
       real(wp), intent(in) :: matrix(:)
       !> Values of the sparse matrix, shape (n_entries).
       real(wp), intent(inout) :: values(:)
@@ -77,7 +100,7 @@ contains
       end do
    end subroutine add_element_matrix
 
-   !> Add the matrix of an element of pairs.
+   !> Add the matrix of a square element of pairs.
    pure subroutine add_pairs(pattern, n, slot, matrix, values)
       type(pattern_type), intent(in) :: pattern
       !> Number of pairs.
@@ -87,12 +110,11 @@ contains
       !> Rows first.
       real(wp), intent(in) :: matrix(2, n, 2, n)
       real(wp), intent(inout) :: values(:)
-      integer :: a, b, entry, column, beside
+      integer :: a, b, entry, beside
 
       do b = 1, n
          if (slot(b, b) == 0) cycle
-         column = pattern%row(slot(b, b)) + 1
-         beside = pattern%column_start(column + 1) - pattern%column_start(column)
+         beside = column_length(pattern, slot(b, b))
          do a = 1, n
             entry = slot(a, b)
             if (entry == 0) cycle
@@ -103,6 +125,56 @@ contains
          end do
       end do
    end subroutine add_pairs
+
+   !> Number of rows of the column with a diagonal entry.
+   pure function column_length(pattern, diagonal) result(n)
+      type(pattern_type), intent(in) :: pattern
+      !> The entry.
+      integer, intent(in) :: diagonal
+      integer :: n
+
+      associate (column => pattern%row(diagonal) + 1)
+         n = pattern%column_start(column + 1) - pattern%column_start(column)
+      end associate
+   end function column_length
+
+   !> Add an element matrix of blocks that belong to pairs of unknowns.
+   pure subroutine add_blocks(pattern, element, n, m, block, values)
+      !> Pattern with the scatter map.
+      type(pattern_type), intent(in) :: pattern
+      !> Number of the element.
+      integer, intent(in) :: element
+      !> Pairs of its rows, and of its columns, which are the first rows.
+      integer, intent(in) :: n, m
+      !> Matrix, shape (component, component of the column, n, m).
+      real(wp), intent(in) :: block(2, 2, n, m)
+      !> Values of the sparse matrix, shape (n_entries).
+      real(wp), intent(inout), contiguous :: values(:)
+      integer :: first, a, b, k, entry, beside
+
+      first = pattern%slot_start(element) - 1
+      if (pattern%slot_start(element + 1) - first - 1 > n*m) then
+         call add_element_matrix(pattern, element, &
+                                 [((block(:, k, :, b), k=1, 2), b=1, m)], values)
+         return
+      end if
+      do b = 1, m
+         ! its own row is on the diagonal
+         entry = pattern%slot(first + b)
+         if (entry > 0) then
+            beside = column_length(pattern, entry)
+            do a = 1, n
+               entry = pattern%slot(first + a)
+               if (entry == 0) cycle
+               values(entry) = values(entry) + block(1, 1, a, b)
+               values(entry + 1) = values(entry + 1) + block(2, 1, a, b)
+               values(entry + beside) = values(entry + beside) + block(1, 2, a, b)
+               values(entry + beside + 1) = values(entry + beside + 1) + block(2, 2, a, b)
+            end do
+         end if
+         first = first + n
+      end do
+   end subroutine add_blocks
 
    !> Entry at the mirrored place of every entry; empty if the pattern is not symmetric.
    pure subroutine find_mirror(pattern, mirror)

@@ -8,7 +8,8 @@ module coulter_grid_cells
    use coulter_grid_box, only: box_reach
    implicit none(type, external)
    private
-   public :: cells_type, activate_cells, locate_boxes, locate_points, number_nodes
+   public :: cells_type, activate_cells, find_cells, locate_boxes, locate_points, number_cells, &
+      number_nodes
 
    !> Active cells and nodes, numbered row by row.
    type :: cells_type
@@ -110,9 +111,13 @@ contains
 
    !> Grid index of the cell of every position: `grid%cell_of` in constant size.
    pure subroutine find_cells(grid, position, index, first_outside)
+      !> Background grid.
       type(grid_type), intent(in) :: grid
+      !> Positions, shape (2, n).
       real(wp), intent(in) :: position(:, :)
+      !> Grid index of their cells, shape (2, n).
       integer, intent(out) :: index(:, :)
+      !> First position that is outside the grid (or not a number), else 0.
       integer, intent(out) :: first_outside
       real(wp) :: lower(2), upper(2), spacing(2)
       integer :: p, i, n_cells(2)
@@ -133,8 +138,11 @@ contains
 
    !> Number the cells that hold points, row by row.
    pure subroutine number_cells(cells, grid, index)
+      !> Active cells to make.
       type(cells_type), intent(inout) :: cells
+      !> Background grid.
       type(grid_type), intent(in) :: grid
+      !> Grid index of the cells, shape (2, n).
       integer, intent(in) :: index(:, :)
       integer :: p, i, j, lower(2), upper(2)
 

@@ -93,8 +93,13 @@ contains
       !> Position, length units, shape (n_dim).
       real(wp), intent(in) :: position(self%n_dim)
       logical :: is_inside
+      integer :: i
 
-      is_inside = all(position >= self%origin .and. position <= self%upper_corner())
+      is_inside = .true.
+      do i = 1, self%n_dim
+         is_inside = is_inside .and. position(i) >= self%origin(i) &
+            .and. position(i) <= self%origin(i) + real(self%n_cells(i), wp)*self%spacing(i)
+      end do
    end function contains_position
 
    !> Volume of a cell (area per unit thickness in plane strain).

@@ -25,11 +25,13 @@ contains
       !> Corners, counter-clockwise, a triangle repeats one; area > 0.
       real(wp), intent(in) :: corner(2, 4)
       real(wp) :: jacobian(4)
-      real(wp) :: edge(2, 4), before(2, 4), twice_area
+      real(wp) :: edge(2, 0:4), twice_area
+      integer :: v
 
-      edge = cshift(corner, 1, dim=2) - corner
-      before = cshift(edge, -1, dim=2)
-      jacobian = before(1, :)*edge(2, :) - before(2, :)*edge(1, :)
+      edge = edges(corner)
+      do v = 1, 4
+         jacobian(v) = edge(1, v - 1)*edge(2, v) - edge(2, v - 1)*edge(1, v)
+      end do
       twice_area = 0.5_wp*sum(jacobian)
       if (any(all(.not. abs(edge) > 0.0_wp, dim=1))) then
          jacobian = 1.0_wp
@@ -38,15 +40,25 @@ contains
       end if
    end function corner_jacobians
 
+   !> Edges from every corner to the next one; the last one comes first, too.
+   pure function edges(corner) result(edge)
+      real(wp), intent(in) :: corner(2, 4)
+      real(wp) :: edge(2, 0:4)
+
+      edge(:, 1:3) = corner(:, 2:4) - corner(:, 1:3)
+      edge(:, 4) = corner(:, 1) - corner(:, 4)
+      edge(:, 0) = edge(:, 4)
+   end function edges
+
    !> Square of the longest edge over the area; half the square of a longer diagonal counts too.
    !> 1 for a square.
    pure function aspect_ratio(corner) result(aspect)
       !> Corners, counter-clockwise; area > 0.
       real(wp), intent(in) :: corner(2, 4)
       real(wp) :: aspect
-      real(wp) :: edge(2, 4), diagonal(2, 2), area
+      real(wp) :: edge(2, 0:4), diagonal(2, 2), area
 
-      edge = cshift(corner, 1, dim=2) - corner
+      edge = edges(corner)
       diagonal = corner(:, 3:4) - corner(:, 1:2)
       area = 0.5_wp*(diagonal(1, 1)*diagonal(2, 2) - diagonal(2, 1)*diagonal(1, 2))
       aspect = max(maxval(sum(edge**2, dim=1)), 0.5_wp*maxval(sum(diagonal**2, dim=1)))/area

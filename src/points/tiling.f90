@@ -12,7 +12,8 @@ module coulter_points_tiling
    implicit none(type, external)
    private
    public :: tiling_type, new_tiling, corner_gradients, corner_weights, tile_centroid, &
-      current_hourglass, remember_pulls, tile_outlines, measure_quality, nearest_outer_edge
+      current_hourglass, remember_pulls, tile_outlines, measure_quality, nearest_outer_edge, &
+      values_at
 
    !> Tiles and their corners; tile p is the domain of point p.
    type :: tiling_type
@@ -64,7 +65,7 @@ contains
       call merge_corners(tiling, reshape(vertices, [2, 4*size(vertices, 3)]), tolerance)
       call find_outer_edges(tiling)
       do p = 1, size(vertices, 3)
-         associate (corner => tiling%position(:, tiling%corner(:, p)))
+         associate (corner => values_at(tiling%corner(:, p), tiling%position))
             tiling%hourglass(:, p) = hourglass_vector(corner)
             tiling%first_jacobian(:, p) = corner_jacobians(corner)
             tiling%first_aspect(p) = aspect_ratio(corner)
@@ -191,13 +192,28 @@ contains
       worst_corner = 1.0_wp
       worst_aspect = 1.0_wp
       do p = 1, size(tiling%corner, 2)
-         associate (corner => tiling%position(:, tiling%corner(:, p)))
+         associate (corner => values_at(tiling%corner(:, p), tiling%position))
             worst_corner = min(worst_corner, relative_jacobian(corner_jacobians(corner), &
                                                                tiling%first_jacobian(:, p)))
             worst_aspect = max(worst_aspect, aspect_ratio(corner)/tiling%first_aspect(p))
          end associate
       end do
    end subroutine measure_quality
+
+   !> Values of a corner field at the vertices of a tile; an array section would be a copy on the
+   !> heap.
+   pure function values_at(corner, field) result(values)
+      !> Corners of the tile.
+      integer, intent(in) :: corner(4)
+      !> Values at all corners, shape (2, n_corners).
+      real(wp), intent(in) :: field(:, :)
+      real(wp) :: values(2, 4)
+      integer :: v
+
+      do v = 1, 4
+         values(:, v) = field(:, corner(v))
+      end do
+   end function values_at
 
    !> Hourglass vector of an undeformed tile.
    pure function hourglass_vector(corner) result(gamma)
@@ -229,14 +245,21 @@ contains
       type(tiling_type), intent(inout) :: tiling
       real(wp), intent(in) :: vertex(:, :)
       real(wp), intent(in) :: tolerance
-      integer :: number(size(vertex, 2)), i
+      integer :: place(size(vertex, 2)), number(size(vertex, 2)), i, n
 
-      call weld(vertex, tolerance, number, tiling%n_corners)
+      call weld(vertex, tolerance, place, tiling%n_corners)
       allocate (tiling%position(2, tiling%n_corners))
-      do i = size(number), 1, -1
-         tiling%position(:, number(i)) = vertex(:, i)
+      ! numbered as tiles meet them, so that what belongs to a tile is near in memory
+      number = 0
+      n = 0
+      do i = 1, size(place)
+         if (number(place(i)) == 0) then
+            n = n + 1
+            number(place(i)) = n
+            tiling%position(:, n) = vertex(:, i)
+         end if
       end do
-      tiling%corner = reshape(number, shape(tiling%corner))
+      tiling%corner = reshape(number(place), shape(tiling%corner))
    end subroutine merge_corners
 
    !> List the edges that no other tile runs along in the opposite sense.

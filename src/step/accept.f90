@@ -9,7 +9,7 @@ module coulter_step_accept
    use coulter_law, only: law_response_type, law_visit_type, n_plane
    use coulter_model, only: model_type, point_moduli
    use coulter_points, only: point_state_type
-   use coulter_points_tiling, only: tile_centroid
+   use coulter_points_tiling, only: tile_centroid, values_at
    use coulter_step_bonds, only: remember_bonds
    use coulter_step_contact_state, only: whole_motion
    use coulter_step_hourglass, only: remember_hourglass
@@ -68,6 +68,7 @@ contains
       call measure_volumes(model)
       call move_boundaries(model, system)
       model%time = system%end_time
+      system%is_set_up = .false.
       system%last_stations = system%stations
       system%last_contacts = system%contacts
       if (allocated(system%bonds)) call remember_bonds(system%contacts, system%bonds)
@@ -147,9 +148,9 @@ contains
 
       do p = 1, model%points%n_points
          associate (corner => model%tiling%corner(:, p))
-            increment = system%map%increment(:, corner)
+            increment = values_at(corner, system%map%increment)
             call update_point(model, system, p, system%map%gradient(:, :, p), increment, has_failed)
-            increment = increment + model%tiling%position(:, corner)
+            increment = increment + values_at(corner, model%tiling%position)
          end associate
          failed_point = p
          if (has_failed) return
@@ -194,8 +195,10 @@ contains
             if (item%law%is_incremental) model%points%has_flowed(p) = is_soft(model, p, strain)
          end if
          new%elastic_finger(:, p) = finger
-         new%deformation_gradient(:4, p) = &
-            reshape(matmul(deformation, reshape(old%deformation_gradient(:4, p), [2, 2])), [4])
+         new%deformation_gradient(1:2, p) = deformation(:, 1)*old%deformation_gradient(1, p) &
+            + deformation(:, 2)*old%deformation_gradient(2, p)
+         new%deformation_gradient(3:4, p) = deformation(:, 1)*old%deformation_gradient(3, p) &
+            + deformation(:, 2)*old%deformation_gradient(4, p)
          new%deformation_gradient(5, p) = old%deformation_gradient(5, p)
       end associate
    end subroutine update_point

@@ -12,7 +12,7 @@ module coulter_step_assembly
    use coulter_step_patch_assembly, only: add_patches
    use coulter_step_point_kernel, only: add_point
    use coulter_step_system, only: system_type
-   use coulter_step_tile_assembly, only: add_tiles
+   use coulter_step_tile_assembly, only: add_tiles, sum_tangent
    implicit none(type, external)
    private
    public :: assemble, apply_dead_loads
@@ -33,9 +33,9 @@ contains
       system%boundary_reaction = 0.0_wp
       system%external = system%dead_load
       if (allocated(model%tiling)) then
-         if (system%needs_tangent) system%values = system%ghost_values
          call add_tiles(system, model, failed_point)
          if (failed_point == 0) call add_pressures(system, model)
+         if (failed_point == 0 .and. system%needs_tangent) call sum_tangent(system)
       else
          if (system%needs_tangent) system%values = 0.0_wp
          if (allocated(system%patches)) then

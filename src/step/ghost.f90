@@ -57,17 +57,22 @@ contains
       end do
    end subroutine find_ghost_faces
 
-   !> Matrix of a face for one component and unit stiffness, in the order of `ghost%node`.
-   pure function ghost_matrix() result(matrix)
-      real(wp) :: matrix(6, 6)
-      real(wp), parameter :: difference(3) = [1.0_wp, -2.0_wp, 1.0_wp]
-      real(wp) :: square(3, 3)
+   !> Matrix of a face for one component and unit stiffness, in terms of unknowns.
+   pure function ghost_matrix(share) result(matrix)
+      !> Shares of the unknowns in the nodes of the face, these in the order of `ghost%node`, shape
+      !> (6, n).
+      real(wp), intent(in) :: share(:, :)
+      real(wp) :: matrix(size(share, 2), size(share, 2))
+      real(wp) :: first(size(share, 2)), second(size(share, 2))
+      integer :: b
 
-      square = spread(difference, 2, 3)*spread(difference, 1, 3)/3.0_wp
-      matrix(:3, :3) = square
-      matrix(4:, 4:) = square
-      matrix(:3, 4:) = 0.5_wp*square
-      matrix(4:, :3) = 0.5_wp*square
+      ! second differences on either grid line
+      first = share(1, :) - 2.0_wp*share(2, :) + share(3, :)
+      second = share(4, :) - 2.0_wp*share(5, :) + share(6, :)
+      do b = 1, size(share, 2)
+         matrix(:, b) = (first*(2.0_wp*first(b) + second(b)) &
+                         + second*(2.0_wp*second(b) + first(b)))/6.0_wp
+      end do
    end function ghost_matrix
 
    !> Add the forces of all faces at given displacement increments.
@@ -80,14 +85,24 @@ contains
       real(wp), intent(in) :: increment(:, :)
       !> Nodal forces, shape (2, n_nodes).
       real(wp), intent(inout) :: force(:, :)
-      real(wp) :: matrix(6, 6), local(2, 6)
-      integer :: f, node(6)
+      real(wp) :: difference(2, 2), pull(2)
+      integer :: f, line
 
-      matrix = ghost_matrix()
       do f = 1, ghost%n_faces
-         node = reshape(ghost%node(:, :, f), [6])
-         local = stiffness(f)*matmul(increment(:, node), matrix)
-         force(:, node) = force(:, node) + local
+         do line = 1, 2
+            associate (node => ghost%node(:, line, f))
+               difference(:, line) = increment(:, node(1)) - 2.0_wp*increment(:, node(2)) &
+                  + increment(:, node(3))
+            end associate
+         end do
+         do line = 1, 2
+            pull = stiffness(f)/6.0_wp*(2.0_wp*difference(:, line) + difference(:, 3 - line))
+            associate (node => ghost%node(:, line, f))
+               force(:, node(1)) = force(:, node(1)) + pull
+               force(:, node(2)) = force(:, node(2)) - 2.0_wp*pull
+               force(:, node(3)) = force(:, node(3)) + pull
+            end associate
+         end do
       end do
    end subroutine add_ghost_forces
 

@@ -8,42 +8,17 @@ module coulter_step_hourglass
    use coulter_base_kinds, only: wp
    use coulter_base_tensor, only: equivalent_stress
    use coulter_model, only: model_type, point_moduli
-   use coulter_points_tiling, only: current_hourglass
+   use coulter_points_tiling, only: current_hourglass, values_at
    use coulter_step_tile_map, only: tile_map_type
    implicit none(type, external)
    private
-   public :: add_hourglass, remember_hourglass
+   public :: find_pull, hourglass_stiffness, remember_hourglass
 
    !> Largest force of a tile that flows, over its equivalent stress times the edge of a square of
    !> its area.
    real(wp), parameter :: cap_share = 0.1_wp
 
 contains
-
-   !> Add force and stiffness of a tile; both vanish for affine increments.
-   pure subroutine add_hourglass(model, map, tile, force, stiffness)
-      !> Scene at the start of the step.
-      type(model_type), intent(in) :: model
-      !> Map of the step with the increments of the corners.
-      type(tile_map_type), intent(in) :: map
-      !> Number of the tile.
-      integer, intent(in) :: tile
-      !> Forces on its vertices, shape (component, vertex).
-      real(wp), intent(inout) :: force(2, 4)
-      !> Its matrix, shape (component, vertex, component, vertex).
-      real(wp), intent(inout) :: stiffness(2, 4, 2, 4)
-      real(wp) :: vector(4), pull(2), slope(2, 2)
-      integer :: b, k
-
-      call find_pull(model, map, tile, vector, pull, slope)
-      do b = 1, 4
-         force(:, b) = force(:, b) + vector(b)*pull
-         do k = 1, 2
-            stiffness(1, :, k, b) = stiffness(1, :, k, b) + slope(1, k)*vector(b)*vector
-            stiffness(2, :, k, b) = stiffness(2, :, k, b) + slope(2, k)*vector(b)*vector
-         end do
-      end do
-   end subroutine add_hourglass
 
    !> At the end of a step, before corners move: keep what tiles of flowing laws pull with, turned
    !> with the tile, and cap those that flowed by their stress.
@@ -58,7 +33,7 @@ contains
       if (.not. allocated(model%tiling%pull)) return
       do p = 1, model%points%n_points
          if (model%laws(model%bodies(model%points%body(p))%law)%law%is_elastic) cycle
-         call find_pull(model, map, p, vector, pull, slope)
+         call find_pull(model, map, p, hourglass_stiffness(model, p), vector, pull, slope)
          deformation = matmul(map%increment(:, model%tiling%corner(:, p)), &
                               transpose(map%gradient(:, :, p)))
          angle = atan2(deformation(2, 1) - deformation(1, 2), &
@@ -70,31 +45,38 @@ contains
       end do
    end subroutine remember_hourglass
 
-   !> Force that stands on the vertices with the signs of a vector, and its derivative by the
-   !> amplitude of the mode in the increments: k Gamma.x with the vector of the undeformed tile, or
-   !> what is remembered plus k Gamma.du with that of the tile at the start of the step.
-   pure subroutine find_pull(model, map, tile, vector, pull, slope)
+   !> Force that stands on the vertices with the shares of a vector, and its derivative by the
+   !> amplitude of the mode in the increments; nothing for affine increments: k Gamma.x with the
+   !> vector of the undeformed tile, or what is remembered plus k Gamma.du with that of the tile at
+   !> the start of the step.
+   pure subroutine find_pull(model, map, tile, stiffness, vector, pull, slope)
+      !> Scene at the start of the step.
       type(model_type), intent(in) :: model
+      !> Map of the step with the increments of the corners.
       type(tile_map_type), intent(in) :: map
+      !> Number of the tile.
       integer, intent(in) :: tile
-      real(wp), intent(out) :: vector(4), pull(2), slope(2, 2)
-      real(wp) :: moved(2, 4), stiffness, size_of
+      !> Its stiffness against the mode, see `hourglass_stiffness`.
+      real(wp), intent(in) :: stiffness
+      !> Shares of the vertices.
+      real(wp), intent(out) :: vector(4)
+      !> Force and its derivative: forces on vertex v are vector(v)*pull, their derivatives by the
+      !> displacement of w vector(v)*vector(w)*slope.
+      real(wp), intent(out) :: pull(2), slope(2, 2)
+      real(wp) :: moved(2, 4), position(2, 4), size_of
 
-      stiffness = hourglass_stiffness(model, tile)
       slope = stiffness*reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
       associate (law => model%laws(model%bodies(model%points%body(tile))%law)%law, &
                  tiling => model%tiling, corner => model%tiling%corner(:, tile))
-         moved = map%increment(:, corner)
+         moved = values_at(corner, map%increment)
+         position = values_at(corner, tiling%position)
          if (law%is_elastic) then
             vector = tiling%hourglass(:, tile)
-            ! relative to the first corner, so that far from the origin no digits are lost
-            pull = stiffness*matmul(tiling%position(:, corner) + moved &
-                                    - spread(tiling%position(:, corner(1)) + moved(:, 1), 2, 4), &
-                                    vector)
+            pull = stiffness*amplitude(position + moved, vector)
             return
          end if
-         vector = current_hourglass(tiling%position(:, corner), map%gradient(:, :, tile))
-         pull = tiling%pull(:, tile) + stiffness*matmul(moved, vector)
+         vector = current_hourglass(position, map%gradient(:, :, tile))
+         pull = tiling%pull(:, tile) + stiffness*amplitude(moved, vector)
          size_of = norm2(pull)
          if (size_of <= tiling%largest_pull(tile)) return
          pull = pull/size_of
@@ -104,9 +86,24 @@ contains
       end associate
    end subroutine find_pull
 
+   !> Amplitude of the mode: relative to the first vertex, so that far from the origin no digits are
+   !> lost.
+   pure function amplitude(position, vector)
+      real(wp), intent(in) :: position(2, 4), vector(4)
+      real(wp) :: amplitude(2)
+      integer :: v
+
+      amplitude = 0.0_wp
+      do v = 2, 4
+         amplitude = amplitude + vector(v)*(position(:, v) - position(:, 1))
+      end do
+   end function amplitude
+
    !> k_hg = e (8/3) G/(1 - nu) with nu = lambda/(2 (lambda + G)).
    pure function hourglass_stiffness(model, tile) result(stiffness)
+      !> Scene at the start of the step.
       type(model_type), intent(in) :: model
+      !> Number of the tile.
       integer, intent(in) :: tile
       real(wp) :: stiffness
       real(wp) :: lame_lambda, shear_modulus

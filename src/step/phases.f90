@@ -28,6 +28,7 @@ contains
       end if
       call activate(model, phase)
       call forget_motion(system)
+      system%is_set_up = .false.
       if (allocated(system%held_edges)) call renew_held_edges(model, system%held_edges)
    end subroutine begin_phase
 

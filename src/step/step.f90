@@ -15,7 +15,8 @@ module coulter_step
    use coulter_step_point_setup, only: find_participants, number_system
    use coulter_step_sites, only: place_sites
    use coulter_step_system, only: system_type
-   use coulter_step_tile_setup, only: find_tile_participants, number_tile_system
+   use coulter_step_tile_setup, only: find_contacts, find_tile_participants, number_tile_system, &
+      set_border
    implicit none(type, external)
    private
    public :: advance_step, prepare_system
@@ -40,8 +41,13 @@ contains
       call system%forget_verdict()
       system%start_time = model%time
       system%end_time = end_time
-      call prepare_system(model, system, failure)
-      if (allocated(failure)) return
+      if (system%is_set_up) then
+         system%has_reused_pattern = .true.
+      else
+         call set_up(model, system, failure)
+         if (allocated(failure)) return
+      end if
+      call meet_boundaries(model, system)
       call apply_dead_loads(system, model)
       call solve_newton(newton, system, model)
       call forget_motion(system)
@@ -70,6 +76,16 @@ contains
       type(system_type), intent(inout) :: system
       !> Why it cannot be set up; unallocated when it is.
       character(len=:), allocatable, intent(out) :: failure
+
+      call set_up(model, system, failure)
+      if (.not. allocated(failure)) call meet_boundaries(model, system)
+   end subroutine prepare_system
+
+   !> What depends on the state of the scene alone: it serves until that changes.
+   subroutine set_up(model, system, failure)
+      type(model_type), intent(in) :: model
+      type(system_type), intent(inout) :: system
+      character(len=:), allocatable, intent(out) :: failure
       integer :: first_outside
       logical :: has_failed
 
@@ -94,6 +110,19 @@ contains
       end if
       call system%watch%stop()
       if (has_failed) failure = "the sparsity pattern cannot be analysed (out of memory?)"
-   end subroutine prepare_system
+      system%is_set_up = .not. has_failed
+   end subroutine set_up
+
+   !> What depends on the way that boundaries go in the step as well. Stations of points do not.
+   subroutine meet_boundaries(model, system)
+      type(model_type), intent(in) :: model
+      type(system_type), intent(inout) :: system
+
+      if (.not. allocated(model%tiling)) return
+      call system%watch%start(phase_locate)
+      call find_contacts(system, model)
+      call set_border(system, model)
+      call system%watch%stop()
+   end subroutine meet_boundaries
 
 end module coulter_step

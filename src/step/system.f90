@@ -19,7 +19,7 @@ module coulter_step_system
    use coulter_step_patches, only: patches_memory, patches_type
    use coulter_step_tile_map, only: tile_map_type
    use coulter_step_tile_patches, only: tile_patches_memory, tile_patches_type
-   use coulter_step_unknowns, only: coupling_type
+   use coulter_step_tile_stars, only: stars_memory, tile_stars_type
    implicit none(type, external)
    private
    public :: system_type, motion_memory_type, renew_pattern, make_room, system_memory
@@ -38,6 +38,8 @@ module coulter_step_system
    type :: system_type
       !> Times at the start and the end of the step.
       real(wp) :: start_time = 0.0_wp, end_time = 0.0_wp
+      !> Do cells, nodes, unknowns and pattern belong to the present state of the scene?
+      logical :: is_set_up = .false.
       !> Wall time by phase.
       type(stopwatch_type) :: watch
       !> Active cells and nodes.
@@ -63,6 +65,8 @@ module coulter_step_system
       type(patches_type), allocatable :: patches
       !> For tiled bodies: where their corners sit in the grid.
       type(tile_map_type) :: map
+      !> Stiffness of tiles against the mode that their points do not see, shape (n_tiles).
+      real(wp), allocatable :: hourglass_stiffness(:)
       !> Contacts on their outer edges, and the edges that bilateral boundaries keep for good.
       type(contacts_type) :: contacts
       !> Contacts of the last accepted step, for tractions with memory.
@@ -84,8 +88,8 @@ module coulter_step_system
       !> Stabilised cell faces, their stiffness, and what they add to the tangent.
       type(ghost_type) :: ghost
       real(wp), allocatable :: ghost_stiffness(:), ghost_values(:)
-      !> Unknowns of all tiles.
-      type(coupling_type) :: coupling
+      !> Tangent of all tiles in terms of their corners, and their unknowns.
+      type(tile_stars_type) :: stars
       !> Tiles that share their volume change; only where some do.
       type(tile_patches_type), allocatable :: tile_patches
       !> Shared volume change of every point over its own one, of the current iteration, shape
@@ -231,8 +235,9 @@ contains
          bytes = bytes + 12_long*int(size(system%last_motion%increment), long)
       end if
       if (allocated(system%map%area)) then
-         bytes = bytes + 8_long*int(10*size(system%map%area) + 8*size(system%map%shape, 2) &
-                                    + size(system%coupling%share) + size(system%ghost_values), long)
+         bytes = bytes + stars_memory(system%stars) &
+            + 8_long*int(10*size(system%map%area) + 8*size(system%map%shape, 2) &
+                         + size(system%ghost_values), long)
       end if
    end function system_memory
 
@@ -267,6 +272,7 @@ contains
       if (answer) answer = size(first%dof) == size(second%dof)
       if (answer) answer = all(first%start == second%start)
       if (answer) answer = all(first%dof == second%dof)
+      if (answer .and. allocated(first%n_columns)) answer = all(first%n_columns == second%n_columns)
    end function are_equal
 
 end module coulter_step_system

@@ -5,16 +5,17 @@ module coulter_step_tile_assembly
    use coulter_model, only: model_type
    use coulter_step_contact_forces, only: add_contacts
    use coulter_step_ghost, only: add_ghost_forces
-   use coulter_step_hourglass, only: add_hourglass
-   use coulter_step_point_kernel, only: add_force, add_stiffness, point_response_type
+   use coulter_step_hourglass, only: find_pull
+   use coulter_step_point_kernel, only: add_force, point_response_type
    use coulter_step_system, only: system_type
    use coulter_step_tile_map, only: interpolate, spread_to_nodes
    use coulter_step_tile_patches, only: scatter_tile_patches
-   use coulter_step_tile_scatter, only: add_at_corners, respond_tile, scatter_tile
+   use coulter_step_tile_scatter, only: add_at_corners, respond_tile
+   use coulter_step_tile_stars, only: add_moduli, clear_stars, scatter_stars
    use coulter_step_tile_sharing, only: share_volume_changes
    implicit none(type, external)
    private
-   public :: add_tiles
+   public :: add_tiles, sum_tangent
 
 contains
 
@@ -34,6 +35,7 @@ contains
          if (failed_tile > 0) return
       end if
       at_corners = 0.0_wp
+      if (system%needs_tangent) call clear_stars(system%stars)
       call add_interiors(system, model, at_corners, failed_tile)
       if (failed_tile > 0) return
       call spread_to_nodes(system%map, at_corners, system%internal)
@@ -43,10 +45,19 @@ contains
       system%loaded_length = 0.0_wp
       call add_contacts(system, model, at_corners)
       call spread_to_nodes(system%map, at_corners, system%boundary)
-      if (.not. (allocated(system%tile_patches) .and. system%needs_tangent)) return
+   end subroutine add_tiles
+
+   !> Tangent from what tiles, their contacts and loads have added to that of the corners.
+   subroutine sum_tangent(system)
+      !> System of the step; gets `values`.
+      type(system_type), intent(inout) :: system
+
+      system%values = system%ghost_values
+      call scatter_stars(system%stars, system%pattern, system%values)
+      if (.not. allocated(system%tile_patches)) return
       call scatter_tile_patches(system%tile_patches, system%pattern, system%elements%n_elements, &
                                 system%values)
-   end subroutine add_tiles
+   end subroutine sum_tangent
 
    !> Internal force and tangent of all tiles.
    subroutine add_interiors(system, model, at_corners, failed_tile)
@@ -55,23 +66,24 @@ contains
       real(wp), intent(inout) :: at_corners(:, :)
       integer, intent(out) :: failed_tile
       type(point_response_type) :: response
-      real(wp) :: force(2, 4), stiffness(2, 4, 2, 4)
-      integer :: p
+      real(wp) :: force(2, 4), vector(4), pull(2), slope(2, 2)
+      integer :: p, v
       logical :: has_failed
 
       do p = 1, model%points%n_points
+         call respond_tile(system, model, p, response, has_failed)
+         failed_tile = p
+         if (has_failed) return
+         call find_pull(model, system%map, p, system%hourglass_stiffness(p), vector, pull, slope)
+         do v = 1, 4
+            force(:, v) = vector(v)*pull
+         end do
          associate (volume => model%points%reference_volume(p))
-            call respond_tile(system, model, p, response, has_failed)
-            failed_tile = p
-            if (has_failed) return
-            force = 0.0_wp
-            stiffness = 0.0_wp
             call add_force(response%gradient, response%stress, volume, force)
-            call add_stiffness(response%gradient, response%moduli, volume, stiffness)
-            call add_hourglass(model, system%map, p, force, stiffness)
-            call add_at_corners(model%tiling%corner(:, p), force, at_corners)
+            if (system%needs_tangent) call add_moduli(system%stars, p, response%gradient, &
+                                                      volume*response%moduli, vector, slope)
          end associate
-         call scatter_tile(system, p, stiffness)
+         call add_at_corners(model%tiling%corner(:, p), force, at_corners)
       end do
       failed_tile = 0
    end subroutine add_interiors

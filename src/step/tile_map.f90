@@ -3,9 +3,9 @@
 module coulter_step_tile_map
    use coulter_base_kinds, only: wp
    use coulter_grid, only: grid_type
-   use coulter_grid_cells, only: activate_cells, cells_type, number_nodes
+   use coulter_grid_cells, only: cells_type, find_cells, number_cells, number_nodes
    use coulter_grid_shape, only: shape_values_2d
-   use coulter_points_tiling, only: corner_gradients, tiling_type
+   use coulter_points_tiling, only: corner_gradients, tiling_type, values_at
    implicit none(type, external)
    private
    public :: tile_map_type, map_tiles, interpolate, spread_to_nodes
@@ -52,20 +52,27 @@ contains
       type(grid_type), intent(in) :: grid
       !> First tile with a corner outside the grid, else 0; then nothing is made.
       integer, intent(out) :: first_outside
-      real(wp), allocatable :: places(:, :)
+      real(wp), allocatable :: samples(:, :)
+      real(wp) :: inside(2, tiling%n_corners)
       integer, allocatable :: index(:, :)
+      logical :: is_straddling(size(tiling%corner, 2))
       integer :: n
 
       n = tiling%n_corners
-      allocate (places(2, n + n_samples**2*size(tiling%corner, 2)))
-      allocate (index(2, size(places, 2)))
-      call move_inside(tiling, places(:, :n))
-      call sample_tiles(tiling, places(:, n + 1:))
-      call activate_cells(cells, grid, places, index, first_outside)
+      call move_inside(tiling, inside)
+      allocate (index(2, n))
+      call find_cells(grid, inside, index, first_outside)
       if (first_outside > 0) return
+      call find_straddling(tiling, index, is_straddling)
+      allocate (samples(2, n_samples**2*count(is_straddling)))
+      call sample_tiles(tiling, is_straddling, samples)
+      index = reshape(index, [2, n + size(samples, 2)], pad=[0])
+      call find_cells(grid, samples, index(:, n + 1:), first_outside)
+      if (first_outside > 0) return
+      call number_cells(cells, grid, index)
       call number_nodes(cells)
       call measure_tiles(map, tiling)
-      call measure_fill(map, cells, grid, index(:, n + 1:))
+      call measure_fill(map, cells, grid, tiling, is_straddling, index)
       call map_corners(map, cells, tiling, grid, index(:, :n))
       call measure_nodes(map, cells, tiling, grid)
    end subroutine map_tiles
@@ -76,10 +83,15 @@ contains
       type(tile_map_type), intent(inout) :: map
       !> Increments of the nodes, length units, shape (2, n_nodes).
       real(wp), intent(in) :: nodal(:, :)
-      integer :: c
+      real(wp) :: sum(2)
+      integer :: c, k
 
       do c = 1, size(map%node, 2)
-         map%increment(:, c) = matmul(nodal(:, map%node(:, c)), map%shape(:, c))
+         sum = 0.0_wp
+         do k = 1, 4
+            sum = sum + map%shape(k, c)*nodal(:, map%node(k, c))
+         end do
+         map%increment(:, c) = sum
       end do
    end subroutine interpolate
 
@@ -124,9 +136,28 @@ contains
       end do
    end subroutine move_inside
 
-   !> Nine samples in every tile, tile by tile.
-   pure subroutine sample_tiles(tiling, samples)
+   !> Tiles whose corners are in different cells.
+   pure subroutine find_straddling(tiling, index, is_straddling)
       type(tiling_type), intent(in) :: tiling
+      !> Grid index of the cells of all corners.
+      integer, intent(in) :: index(:, :)
+      logical, intent(out) :: is_straddling(:)
+      integer :: p, v
+
+      is_straddling = .false.
+      do p = 1, size(is_straddling)
+         associate (corner => tiling%corner(:, p))
+            do v = 2, 4
+               if (any(index(:, corner(v)) /= index(:, corner(1)))) is_straddling(p) = .true.
+            end do
+         end associate
+      end do
+   end subroutine find_straddling
+
+   !> Nine samples in every tile that straddles, tile by tile.
+   pure subroutine sample_tiles(tiling, is_straddling, samples)
+      type(tiling_type), intent(in) :: tiling
+      logical, intent(in) :: is_straddling(:)
       real(wp), intent(out) :: samples(:, :)
       real(wp) :: share(4, n_samples**2), position(2, 4)
       integer :: p, i, j, k, n
@@ -139,7 +170,8 @@ contains
       end do
       n = 0
       do p = 1, size(tiling%corner, 2)
-         position = tiling%position(:, tiling%corner(:, p))
+         if (.not. is_straddling(p)) cycle
+         position = values_at(tiling%corner(:, p), tiling%position)
          do k = 1, n_samples**2
             n = n + 1
             samples(:, n) = position(:, 1)*share(1, k) + position(:, 2)*share(2, k) &
@@ -156,33 +188,50 @@ contains
 
       allocate (map%gradient(2, 4, size(tiling%corner, 2)), map%area(size(tiling%corner, 2)))
       do p = 1, size(tiling%corner, 2)
-         call corner_gradients(tiling%position(:, tiling%corner(:, p)), map%gradient(:, :, p), &
-                               map%area(p))
+         call corner_gradients(values_at(tiling%corner(:, p), tiling%position), &
+                               map%gradient(:, :, p), map%area(p))
       end do
    end subroutine measure_tiles
 
    !> Share of every cell that is filled.
-   pure subroutine measure_fill(map, cells, grid, index)
+   pure subroutine measure_fill(map, cells, grid, tiling, is_straddling, index)
       type(tile_map_type), intent(inout) :: map
       type(cells_type), intent(in) :: cells
       type(grid_type), intent(in) :: grid
-      !> Grid index of the cells of all samples.
+      type(tiling_type), intent(in) :: tiling
+      logical, intent(in) :: is_straddling(:)
+      !> Grid index of the cells of all corners, then of all samples.
       integer, intent(in) :: index(:, :)
-      integer :: p, k, c, n
+      integer :: p, k, n
 
       allocate (map%fill(cells%n_cells), source=0.0_wp)
       allocate (map%tile_in_cell(cells%n_cells), source=0)
-      n = 0
+      n = tiling%n_corners
       do p = 1, size(map%area)
+         if (.not. is_straddling(p)) then
+            call add_area(map, cells, p, index(:, tiling%corner(1, p)), map%area(p))
+            cycle
+         end if
          do k = 1, n_samples**2
             n = n + 1
-            c = cells%cell_at(index(1, n), index(2, n))
-            map%fill(c) = map%fill(c) + map%area(p)/real(n_samples**2, wp)
-            map%tile_in_cell(c) = p
+            call add_area(map, cells, p, index(:, n), map%area(p)/real(n_samples**2, wp))
          end do
       end do
       map%fill = map%fill/grid%cell_volume()
    end subroutine measure_fill
+
+   !> Let a tile fill a part of a cell.
+   pure subroutine add_area(map, cells, tile, index, area)
+      type(tile_map_type), intent(inout) :: map
+      type(cells_type), intent(in) :: cells
+      integer, intent(in) :: tile, index(2)
+      real(wp), intent(in) :: area
+      integer :: c
+
+      c = cells%cell_at(index(1), index(2))
+      map%fill(c) = map%fill(c) + area
+      map%tile_in_cell(c) = tile
+   end subroutine add_area
 
    !> Nodes and shape functions of all corners.
    pure subroutine map_corners(map, cells, tiling, grid, index)
@@ -192,14 +241,17 @@ contains
       type(grid_type), intent(in) :: grid
       !> Grid index of the cells of all corners.
       integer, intent(in) :: index(:, :)
-      integer :: k, c
+      real(wp) :: origin(2), spacing(2)
+      integer :: k
 
+      origin = grid%origin
+      spacing = grid%spacing
       allocate (map%node(4, tiling%n_corners), map%shape(4, tiling%n_corners))
       allocate (map%increment(2, tiling%n_corners), source=0.0_wp)
       do k = 1, tiling%n_corners
-         c = cells%cell_at(index(1, k), index(2, k))
-         map%node(:, k) = cells%node(:, c)
-         map%shape(:, k) = shape_values_2d(cells%local_position(grid, c, tiling%position(:, k)))
+         map%node(:, k) = cells%node(:, cells%cell_at(index(1, k), index(2, k)))
+         map%shape(:, k) = shape_values_2d((tiling%position(:, k) - origin)/spacing &
+                                           - real(index(:, k) - 1, wp))
          where (abs(map%shape(:, k)) < smallest_shape) map%shape(:, k) = 0.0_wp
       end do
    end subroutine map_corners
@@ -210,14 +262,16 @@ contains
       type(cells_type), intent(in) :: cells
       type(tiling_type), intent(in) :: tiling
       type(grid_type), intent(in) :: grid
-      integer :: p, k
+      integer :: p, k, a
 
       allocate (map%node_area(cells%n_nodes), source=0.0_wp)
       do p = 1, size(tiling%corner, 2)
          do k = 1, 4
             associate (corner => tiling%corner(k, p))
-               map%node_area(map%node(:, corner)) = map%node_area(map%node(:, corner)) &
-                  + 0.25_wp*map%area(p)*map%shape(:, corner)
+               do a = 1, 4
+                  map%node_area(map%node(a, corner)) = map%node_area(map%node(a, corner)) &
+                     + 0.25_wp*map%area(p)*map%shape(a, corner)
+               end do
             end associate
          end do
       end do

@@ -1,12 +1,12 @@
 !> What single tiles answer, and how it enters the system: forces at corners, tangent entries.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_tile_scatter
-   use coulter_algebra_sparse, only: add_element_matrix
    use coulter_base_kinds, only: wp
    use coulter_model, only: model_type
+   use coulter_points_tiling, only: values_at
    use coulter_step_point_kernel, only: point_response_type, respond
    use coulter_step_system, only: system_type
-   use coulter_step_unknowns, only: condense, max_pairs
+   use coulter_step_tile_stars, only: add_matrix
    implicit none(type, external)
    private
    public :: respond_tile, add_at_corners, scatter_tile
@@ -36,7 +36,7 @@ contains
       end if
       associate (item => model%laws(model%bodies(model%points%body(tile))%law))
          call respond(item%law, system%visit(tile), system%map%gradient(:, :, tile), &
-                      system%map%increment(:, model%tiling%corner(:, tile)), &
+                      values_at(model%tiling%corner(:, tile), system%map%increment), &
                       model%points%converged%elastic_finger(:, tile), &
                       model%points%converged%law_state(:, tile), response, has_failed)
       end associate
@@ -57,22 +57,16 @@ contains
       end do
    end subroutine add_at_corners
 
-   !> Add the matrix of a tile to the tangent, if that is needed.
-   subroutine scatter_tile(system, tile, stiffness)
-      !> System of the step; gets `values`.
+   !> Add the matrix of a tile to the tangent of the corners, if that is needed.
+   pure subroutine scatter_tile(system, tile, stiffness)
+      !> System of the step; gets `stars`.
       type(system_type), intent(inout) :: system
       !> Number of the tile.
       integer, intent(in) :: tile
       !> Its matrix, shape (component, vertex, component, vertex).
       real(wp), intent(in) :: stiffness(2, 4, 2, 4)
-      real(wp) :: condensed(4*max_pairs**2)
-      integer :: first, n
 
-      if (.not. system%needs_tangent) return
-      first = (system%coupling%elements%start(tile) + 1)/2
-      n = (system%coupling%elements%start(tile + 1) + 1)/2 - first
-      call condense(system%coupling%share(:, first:first + n - 1), stiffness, n, condensed)
-      call add_element_matrix(system%pattern, tile, condensed(:4*n*n), system%values)
+      if (system%needs_tangent) call add_matrix(system%stars, tile, stiffness)
    end subroutine scatter_tile
 
 end module coulter_step_tile_scatter

@@ -17,20 +17,22 @@ module coulter_step_tile_setup
    use coulter_step_border, only: new_border, tool_load_type
    use coulter_step_dofs, only: number_dofs
    use coulter_step_ghost, only: find_ghost_faces, ghost_matrix, ghost_type
+   use coulter_step_hourglass, only: hourglass_stiffness
    use coulter_step_system, only: make_room, renew_pattern, system_type
    use coulter_step_tile_map, only: map_tiles, spread_to_nodes
    use coulter_step_tile_patches, only: build_tile_patches, couple_tile_patches
+   use coulter_step_tile_stars, only: build_stars, couple_stars
    use coulter_step_unknowns, only: coupling_type, couple_vertices, new_coupling
    implicit none(type, external)
    private
-   public :: find_tile_participants, number_tile_system
+   public :: find_tile_participants, find_contacts, number_tile_system, set_border
 
    !> Strain of a step in flow beyond which ghost penalties do not stiffen any more.
    real(wp), parameter :: ghost_strain = 0.01_wp
 
 contains
 
-   !> Find who takes part in a step: cells, nodes, contacts, stabilised faces.
+   !> Find who takes part in a step: cells, nodes, edges that are held, stabilised faces.
    subroutine find_tile_participants(system, model, first_outside)
       !> System of the step.
       type(system_type), intent(inout) :: system
@@ -38,8 +40,7 @@ contains
       type(model_type), intent(in) :: model
       !> First tile with a corner outside the grid, else 0.
       integer, intent(out) :: first_outside
-      type(motion_type) :: motion(size(model%boundaries))
-      integer :: b
+      integer :: p
 
       call map_tiles(system%map, system%cells, model%tiling, model%grid, first_outside)
       if (first_outside > 0) return
@@ -54,6 +55,19 @@ contains
          call find_loaded_edges(system%loaded_edges, model%edge_loads, model%tiling, &
                                 model%grid%smallest_spacing())
       end if
+      call find_stabilised_faces(system, model)
+      system%hourglass_stiffness = [(hourglass_stiffness(model, p), p=1, model%points%n_points)]
+   end subroutine find_tile_participants
+
+   !> Find the contacts of a step, which depend on the way that boundaries go in it.
+   subroutine find_contacts(system, model)
+      !> System of the step.
+      type(system_type), intent(inout) :: system
+      !> Scene at the start of the step.
+      type(model_type), intent(in) :: model
+      type(motion_type) :: motion(size(model%boundaries))
+      integer :: b
+
       do b = 1, size(model%boundaries)
          motion(b) = boundary_motion(model, b, system%start_time, system%end_time)
       end do
@@ -69,8 +83,7 @@ contains
          call recall_bonds(system%contacts, system%bonds, model%boundaries, model%tiling, &
                            model%grid%smallest_spacing())
       end if
-      call find_stabilised_faces(system, model)
-   end subroutine find_tile_participants
+   end subroutine find_contacts
 
    !> Number the unknowns; make pattern, scatter map and symbolic factorisation unless those of the
    !> last step still hold.
@@ -91,24 +104,26 @@ contains
       is_core = is_core .or. .not. any(may_lead)
       call number_dofs(system%dofs, model%grid, system%cells, is_core, may_lead, &
                        system%map%fill, model%fixities)
-      call couple_tiles(system, model)
+      call build_stars(system%stars, model%tiling%corner, model%tiling%n_corners)
+      call couple_stars(system%stars, system%map, system%dofs)
       call couple_faces(faces, system)
       call gather_mass(system, model)
       call make_room(system, size(model%boundaries))
-      call set_border(system, model)
       if (allocated(system%tile_patches)) then
          call couple_tile_patches(system%tile_patches, system%map, system%dofs)
-         call renew_pattern(system, joined(joined(system%coupling%elements, faces%elements), &
+         call renew_pattern(system, joined(joined(system%stars%elements, faces%elements), &
                                            system%tile_patches%coupling%elements), has_failed)
       else
-         call renew_pattern(system, joined(system%coupling%elements, faces%elements), has_failed)
+         call renew_pattern(system, joined(system%stars%elements, faces%elements), has_failed)
       end if
       if (.not. has_failed) call set_ghost_values(system, faces)
    end subroutine number_tile_system
 
    !> Free components of tools, with their pivots and the loads on them at the end of the step.
    subroutine set_border(system, model)
+      !> System with numbered nodes.
       type(system_type), intent(inout) :: system
+      !> Scene at the start of the step.
       type(model_type), intent(in) :: model
       type(motion_type) :: motion
       real(wp) :: factor
@@ -190,21 +205,6 @@ contains
       end do
    end subroutine soften_faces
 
-   !> Unknowns of all tiles.
-   subroutine couple_tiles(system, model)
-      type(system_type), intent(inout) :: system
-      type(model_type), intent(in) :: model
-      integer :: p
-
-      call new_coupling(system%coupling, model%points%n_points, 4)
-      do p = 1, model%points%n_points
-         associate (corner => model%tiling%corner(:, p))
-            call couple_vertices(system%coupling, system%dofs, system%map%node(:, corner), &
-                                 system%map%shape(:, corner))
-         end associate
-      end do
-   end subroutine couple_tiles
-
    !> Unknowns of all stabilised faces: six nodes each.
    subroutine couple_faces(faces, system)
       type(coupling_type), intent(out) :: faces
@@ -230,31 +230,29 @@ contains
       do f = 1, system%ghost%n_faces
          first = (faces%elements%start(f) + 1)/2
          last = (faces%elements%start(f + 1) - 1)/2
-         call add_element_matrix(system%pattern, system%coupling%elements%n_elements + f, &
-                                 system%ghost_stiffness(f)*face_matrix( &
-                                 last - first + 1, faces%share(:, first:last)), &
+         call add_element_matrix(system%pattern, system%stars%elements%n_elements + f, &
+                                 face_matrix(system%ghost_stiffness(f) &
+                                             *ghost_matrix(faces%share(:, first:last))), &
                                  system%ghost_values)
       end do
    end subroutine set_ghost_values
 
-   !> Matrix of a face in terms of its pairs of unknowns, columns first; components do not mix.
-   pure function face_matrix(n, share) result(matrix)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: share(6, n)
-      real(wp) :: matrix(4*n*n)
-      real(wp) :: half(6), square(2, n, 2, n), value
-      integer :: a, b
+   !> Matrix of a face, columns first; components do not mix.
+   pure function face_matrix(single) result(matrix)
+      !> The matrix of one component.
+      real(wp), intent(in) :: single(:, :)
+      real(wp) :: matrix(4*size(single))
+      integer :: a, b, n, first
 
-      square = 0.0_wp
+      n = size(single, 1)
+      matrix = 0.0_wp
       do b = 1, n
-         half = matmul(ghost_matrix(), share(:, b))
          do a = 1, n
-            value = dot_product(share(:, a), half)
-            square(1, a, 1, b) = value
-            square(2, a, 2, b) = value
+            first = 2*a - 1 + 4*n*(b - 1)
+            matrix(first) = single(a, b)
+            matrix(first + 2*n + 1) = single(a, b)
          end do
       end do
-      matrix = reshape(square, shape(matrix))
    end function face_matrix
 
    !> Share out the mass of the tiles to the nodes; only when there is a body force.

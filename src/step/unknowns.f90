@@ -6,11 +6,11 @@ module coulter_step_unknowns
    use coulter_step_dofs, only: dofs_type
    implicit none(type, external)
    private
-   public :: coupling_type, new_coupling, couple_vertices, condense, max_pairs
+   public :: coupling_type, new_coupling, couple_vertices, max_pairs_of_vertex
 
-   !> Most pairs of unknowns that an element can couple: 4 vertices on 4 nodes that follow 4 masters
-   !> each.
-   integer, parameter :: max_pairs = 64
+   !> Most pairs of unknowns that a vertex can hang on: 4 nodes that follow 4 masters each; and most
+   !> of those that an element of 4 vertices can couple.
+   integer, parameter :: max_pairs_of_vertex = 16, max_pairs = 4*max_pairs_of_vertex
 
    !> Elements with their unknowns, and the shares by which their vertices hang on these.
    type :: coupling_type
@@ -72,45 +72,6 @@ contains
       coupling%elements%start(e + 1) = 2*next - 1
       coupling%elements%n_elements = e
    end subroutine couple_vertices
-
-   !> Matrix of an element in terms of its pairs of unknowns.
-   pure subroutine condense(share, matrix, n, condensed)
-      !> Number of pairs.
-      integer, intent(in) :: n
-      !> Their shares in the vertices.
-      real(wp), intent(in) :: share(4, n)
-      !> Matrix in terms of its four vertices, shape (component, vertex, component, vertex).
-      real(wp), intent(in) :: matrix(2, 4, 2, 4)
-      !> Matrix in terms of its unknowns, columns first, shape (2*n, 2*n) as (2*n, component, pair).
-      real(wp), intent(out) :: condensed(2*n, 2, n)
-      real(wp) :: half(2, n, 2, 4)
-      integer :: a, k, w
-
-      do w = 1, 4
-         do k = 1, 2
-            do a = 1, n
-               half(:, a, k, w) = matrix(:, 1, k, w)*share(1, a) + matrix(:, 2, k, w)*share(2, a) &
-                  + matrix(:, 3, k, w)*share(3, a) + matrix(:, 4, k, w)*share(4, a)
-            end do
-         end do
-      end do
-      call condense_columns(share, half, n, condensed)
-   end subroutine condense
-
-   !> The other half of `condense`: long contiguous rows.
-   pure subroutine condense_columns(share, half, n, condensed)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: share(4, n), half(2*n, 2, 4)
-      real(wp), intent(out) :: condensed(2*n, 2, n)
-      integer :: b, k
-
-      do b = 1, n
-         do k = 1, 2
-            condensed(:, k, b) = half(:, k, 1)*share(1, b) + half(:, k, 2)*share(2, b) &
-               + half(:, k, 3)*share(3, b) + half(:, k, 4)*share(4, b)
-         end do
-      end do
-   end subroutine condense_columns
 
    !> Let a vertex depend on a pair of unknowns, unless both are held. The pairs of the element
    !> stand from `first` to `next - 1`.
