@@ -95,7 +95,6 @@ contains
       else
          call find_participants(system, model, first_outside)
       end if
-      call place_sites(system, model)
       call system%watch%stop()
       if (first_outside > 0) then
          failure = "point "//to_text(first_outside)//" is outside the grid"
@@ -113,15 +112,18 @@ contains
       system%is_set_up = .not. has_failed
    end subroutine set_up
 
-   !> What depends on the way that boundaries go in the step as well. Stations of points do not.
+   !> What depends on the step as well: phases of laws, the way that boundaries go. Stations of
+   !> points do not.
    subroutine meet_boundaries(model, system)
       type(model_type), intent(in) :: model
       type(system_type), intent(inout) :: system
 
-      if (.not. allocated(model%tiling)) return
       call system%watch%start(phase_locate)
-      call find_contacts(system, model)
-      call set_border(system, model)
+      call place_sites(system, model)
+      if (allocated(model%tiling)) then
+         call find_contacts(system, model)
+         call set_border(system, model)
+      end if
       call system%watch%stop()
    end subroutine meet_boundaries
 
