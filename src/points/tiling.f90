@@ -245,21 +245,14 @@ contains
       type(tiling_type), intent(inout) :: tiling
       real(wp), intent(in) :: vertex(:, :)
       real(wp), intent(in) :: tolerance
-      integer :: place(size(vertex, 2)), number(size(vertex, 2)), i, n
+      integer :: number(size(vertex, 2)), i
 
-      call weld(vertex, tolerance, place, tiling%n_corners)
+      call weld(vertex, tolerance, number, tiling%n_corners)
       allocate (tiling%position(2, tiling%n_corners))
-      ! numbered as tiles meet them, so that what belongs to a tile is near in memory
-      number = 0
-      n = 0
-      do i = 1, size(place)
-         if (number(place(i)) == 0) then
-            n = n + 1
-            number(place(i)) = n
-            tiling%position(:, n) = vertex(:, i)
-         end if
+      do i = size(number), 1, -1
+         tiling%position(:, number(i)) = vertex(:, i)
       end do
-      tiling%corner = reshape(number(place), shape(tiling%corner))
+      tiling%corner = reshape(number, shape(tiling%corner))
    end subroutine merge_corners
 
    !> List the edges that no other tile runs along in the opposite sense.

@@ -19,13 +19,14 @@ module coulter_step_tile_stars
 
    !> Stars of all corners.
    type :: tile_stars_type
-      !> First corner of every star in `corner`, shape (n_corners + 1).
-      integer, allocatable :: start(:)
-      !> Corners of all stars, the corner itself first, shape (n_entries).
-      integer, allocatable :: corner(:)
+      !> First and last corner of every star in `corner`, shape (n_corners).
+      integer, allocatable, private :: first(:), last(:)
+      !> Corners of all stars, the corner itself first, star by star as tiles meet them, so that
+      !> what a tile adds to is near in memory, shape (n_entries).
+      integer, allocatable, private :: corner(:)
       !> Where the matrix of a tile goes: entry of its row vertex in the star of its column vertex,
       !> shape (4, 4, n_tiles).
-      integer, allocatable :: entry(:, :, :)
+      integer, allocatable, private :: entry(:, :, :)
       !> Corners of the tiles that the stars belong to, shape (4, n_tiles).
       integer, allocatable, private :: tile_corner(:, :)
       !> Tangent in terms of the corners, shape (component, component of the star, n_entries).
@@ -56,32 +57,43 @@ contains
       !> Number of corners.
       integer, intent(in) :: n_corners
       integer :: tile_start(n_corners + 1), tile(size(corner)), last_star(n_corners), at(n_corners)
-      integer :: list(16*size(corner, 2)), c, k, v, w, n
+      integer :: list(16*size(corner, 2)), c, p, k, v, w, n
 
       if (are_known(stars, corner)) return
       stars = tile_stars_type()
       stars%tile_corner = corner
-      allocate (stars%start(n_corners + 1), stars%entry(4, 4, size(corner, 2)))
+      allocate (stars%first(n_corners), stars%last(n_corners), source=0)
+      allocate (stars%entry(4, 4, size(corner, 2)))
       call list_tiles(corner, tile_start, tile)
       last_star = 0
       n = 0
-      do c = 1, n_corners
-         stars%start(c) = n + 1
+      do p = 1, size(corner, 2)
+         do v = 1, 4
+            c = corner(v, p)
+            if (stars%first(c) == 0) call make_star()
+         end do
+      end do
+      stars%corner = list(:n)
+      allocate (stars%block(2, 2, n))
+
+   contains
+
+      !> The star of `c`: corners of all tiles around.
+      subroutine make_star()
+         integer :: a
+
+         stars%first(c) = n + 1
          call meet(c)
          do k = tile_start(c), tile_start(c + 1) - 1
-            do v = 1, 4
-               call meet(corner(v, tile(k)))
+            do a = 1, 4
+               call meet(corner(a, tile(k)))
             end do
             do w = 1, 4
                if (corner(w, tile(k)) == c) stars%entry(:, w, tile(k)) = at(corner(:, tile(k)))
             end do
          end do
-      end do
-      stars%start(n_corners + 1) = n + 1
-      stars%corner = list(:n)
-      allocate (stars%block(2, 2, n))
-
-   contains
+         stars%last(c) = n
+      end subroutine make_star
 
       !> Add a corner to the star of `c`, once.
       subroutine meet(other)
@@ -204,7 +216,7 @@ contains
          do g = 1, elements%n_elements
             elements%start(g) = 2*n + 1
             do i = stars%group_start(g), stars%group_start(g + 1) - 1
-               do k = stars%start(member(i)), stars%start(member(i) + 1) - 1
+               do k = stars%first(member(i)), stars%last(member(i))
                   do b = first(stars%corner(k)), first(stars%corner(k) + 1) - 1
                      call place_pair(own(2*b - 1), own(2*b))
                   end do
@@ -361,7 +373,7 @@ contains
       do i = stars%group_start(g), stars%group_start(g + 1) - 1
          rows = 0.0_wp
          associate (c => stars%member(i))
-            do k = stars%start(c), stars%start(c + 1) - 1
+            do k = stars%first(c), stars%last(c)
                first = stars%first_pair(stars%corner(k))
                length = stars%first_pair(stars%corner(k) + 1) - first
                call add_shares(length, stars%place(at:), stars%share(first:), &
