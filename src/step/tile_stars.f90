@@ -21,6 +21,8 @@ module coulter_step_tile_stars
    type :: tile_stars_type
       !> First and last corner of every star in `corner`, shape (n_corners).
       integer, allocatable, private :: first(:), last(:)
+      !> Corners in the order of their stars, shape (n_corners).
+      integer, allocatable, private :: order(:)
       !> Corners of all stars, the corner itself first, star by star as tiles meet them, so that
       !> what a tile adds to is near in memory, shape (n_entries).
       integer, allocatable, private :: corner(:)
@@ -57,12 +59,14 @@ contains
       !> Number of corners.
       integer, intent(in) :: n_corners
       integer :: tile_start(n_corners + 1), tile(size(corner)), last_star(n_corners), at(n_corners)
-      integer :: list(16*size(corner, 2)), c, p, k, v, w, n
+      integer :: list(16*size(corner, 2)), c, p, k, v, w, n, n_stars
 
       if (are_known(stars, corner)) return
       stars = tile_stars_type()
       stars%tile_corner = corner
       allocate (stars%first(n_corners), stars%last(n_corners), source=0)
+      allocate (stars%order(n_corners))
+      n_stars = 0
       allocate (stars%entry(4, 4, size(corner, 2)))
       call list_tiles(corner, tile_start, tile)
       last_star = 0
@@ -82,6 +86,8 @@ contains
       subroutine make_star()
          integer :: a
 
+         n_stars = n_stars + 1
+         stars%order(n_stars) = c
          stars%first(c) = n + 1
          call meet(c)
          do k = tile_start(c), tile_start(c + 1) - 1
@@ -178,11 +184,12 @@ contains
       type(tile_stars_type), intent(inout) :: stars
       type(tile_map_type), intent(in) :: map
       integer, intent(in) :: n_nodes
-      integer :: group(size(map%node, 2)), group_at(n_nodes, 0:15), c, nodes, n
+      integer :: group(size(map%node, 2)), group_at(n_nodes, 0:15), c, i, nodes, n
 
       group_at = 0
       n = 0
-      do c = 1, size(group)
+      do i = 1, size(group)
+         c = stars%order(i)
          ! corners on grid lines hang on some of the nodes of their cell
          nodes = sum([1, 2, 4, 8], mask=abs(map%shape(:, c)) > 0.0_wp)
          associate (here => group_at(map%node(1, c), nodes))
