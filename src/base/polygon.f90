@@ -5,7 +5,7 @@ module coulter_base_polygon
    implicit none(type, external)
    private
    public :: polygon_type, clip_half_plane, clip_box, area_and_centroid, overlap_area
-   public :: polyline_distance, contains_point, distance_to_segment
+   public :: polyline_distance, contains_point, distance_to_segment, turn
 
    !> A polygon that can shrink and grow; corners beyond `n` are not meaningful.
    type :: polygon_type
@@ -234,5 +234,15 @@ contains
       end if
       allocate (polygon%corner(2, n))
    end subroutine make_room
+
+   !> Twice the signed area of a triangle: positive for a left turn.
+   pure function turn(first, second, third) result(value)
+      !> Its corners, length units.
+      real(wp), intent(in) :: first(2), second(2), third(2)
+      real(wp) :: value
+
+      value = (second(1) - first(1))*(third(2) - first(2)) &
+         - (second(2) - first(2))*(third(1) - first(1))
+   end function turn
 
 end module coulter_base_polygon

@@ -5,7 +5,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_points_outline_fitting
    use coulter_base_kinds, only: wp
-   use coulter_base_polygon, only: area_and_centroid, distance_to_segment
+   use coulter_base_polygon, only: area_and_centroid, distance_to_segment, turn
    use coulter_points_domains, only: add_domain, domain_list_type
    use coulter_points_outline, only: outline_type
    use coulter_points_welding, only: weld
@@ -223,14 +223,5 @@ contains
          end do
       end do
    end function is_simple
-
-   !> Twice the signed area of a triangle: positive for a left turn.
-   pure function turn(first, second, third) result(value)
-      real(wp), intent(in) :: first(2), second(2), third(2)
-      real(wp) :: value
-
-      value = (second(1) - first(1))*(third(2) - first(2)) &
-         - (second(2) - first(2))*(third(1) - first(1))
-   end function turn
 
 end module coulter_points_outline_fitting

@@ -2,7 +2,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_points_splitting
    use coulter_base_kinds, only: wp
-   use coulter_base_polygon, only: area_and_centroid
+   use coulter_base_polygon, only: area_and_centroid, turn
    implicit none(type, external)
    private
    public :: split_polygon
@@ -154,14 +154,5 @@ contains
          answer = answer .and. turn(corner(:, i), corner(:, modulo(i, 3) + 1), position) >= -slack
       end do
    end function touches
-
-   !> Twice the signed area of a triangle: positive for a left turn.
-   pure function turn(first, second, third) result(value)
-      real(wp), intent(in) :: first(2), second(2), third(2)
-      real(wp) :: value
-
-      value = (second(1) - first(1))*(third(2) - first(2)) &
-         - (second(2) - first(2))*(third(1) - first(1))
-   end function turn
 
 end module coulter_points_splitting
