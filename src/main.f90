@@ -17,6 +17,7 @@ program main
    use coulter_model_prepare, only: prepare_model
    use coulter_point_tests, only: check_user_laws, run_plan
    use coulter_results, only: new_results, provenance_type, results_type
+   use coulter_results_hdf5_io, only: forgo_cleanup
    use coulter_results_log_scene, only: write_scene
    use coulter_results_run_log, only: new_run_log, run_log_type
    use coulter_results_tool_table, only: new_tool_table, tool_table_type
@@ -29,6 +30,7 @@ program main
    type(command_type) :: command
 
    call tune_process()
+   call forgo_cleanup()
    call read_command_line()
    select case (command%task)
    case (task_help)

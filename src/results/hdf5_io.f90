@@ -6,19 +6,21 @@ module coulter_results_hdf5_io
    use coulter_base_kinds, only: long, wp
    use coulter_results_hdf5_types, only: kind_text, new_stored_type, new_text_type, null_padded, &
       set_compression, text_width, unlocked_access
-   use hdf5, only: h5aclose_f, h5acreate_f, h5aexists_f, h5aopen_f, h5awrite_f, h5dclose_f, &
-      h5dcreate_f, h5dget_space_f, h5dopen_f, h5dset_extent_f, h5dwrite_f, h5eset_auto_f, &
-      h5fclose_f, h5fcreate_f, h5fflush_f, h5fopen_f, h5gclose_f, h5gcreate_f, h5kind_to_type, &
-      h5oclose_f, h5oopen_f, h5open_f, h5pclose_f, h5pcreate_f, h5pset_chunk_f, &
-      h5pset_istore_k_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
+   use hdf5, only: h5aclose_f, h5acreate_f, h5aexists_f, h5aopen_by_name_f, h5aopen_f, h5aread_f, &
+      h5awrite_f, h5dclose_f, h5dcreate_f, h5dget_space_f, h5dont_atexit_f, h5dopen_f, &
+      h5dset_extent_f, h5dwrite_f, h5eset_auto_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5fopen_f, &
+      h5gclose_f, h5gcreate_f, h5kind_to_type, h5oclose_f, h5oopen_f, h5open_f, h5pclose_f, &
+      h5pcreate_f, h5pset_chunk_f, h5pset_istore_k_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
       h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sselect_hyperslab_f, h5tclose_f
    use hdf5, only: h5_integer_kind, h5_real_kind, h5f_acc_rdwr_f, h5f_acc_trunc_f, &
       h5f_scope_global_f, h5p_dataset_create_f, h5p_file_create_f, h5s_scalar_f, h5s_select_set_f, &
       h5t_native_integer, hid_t, hsize_t
    implicit none(type, external)
    private
-   public :: hdf5_file_type
+   public :: hdf5_file_type, forgo_cleanup
 
+   !> Attribute of the root that tells runs apart.
+   character(len=*), parameter :: key_name = "run_key"
    !> Most dimensions of a dataset.
    integer, parameter :: max_rank = 3
 
@@ -31,6 +33,8 @@ module coulter_results_hdf5_io
       logical :: has_failed = .false.
       !> HDF5 handle.
       integer(hid_t), private :: id = -1
+      !> What the file says of the run that made it.
+      integer, private :: run_key = 0
    contains
       procedure :: create => create_file
       procedure :: open => open_file
@@ -47,6 +51,7 @@ module coulter_results_hdf5_io
       procedure :: set_text
       procedure, private :: note
       procedure, private :: put_rows
+      procedure, private :: look_for_key
       procedure, private :: set_attribute
    end type hdf5_file_type
 
@@ -57,10 +62,19 @@ module coulter_results_hdf5_io
 
 contains
 
+   !> For a program that opens no other HDF5 files, before the first: let HDF5 not tidy up at the end
+   !> of the process, where it crashes if a full disk has kept a file from being closed.
+   subroutine forgo_cleanup()
+      integer :: code
+
+      call h5dont_atexit_f(code)
+   end subroutine forgo_cleanup
+
    !> Make an empty file in place of whatever has its path.
    subroutine create_file(self)
       class(hdf5_file_type), intent(inout) :: self
       integer(hid_t) :: access_list, creation_list
+      integer(long) :: ticks
       integer :: codes(7)
 
       self%has_failed = .false.
@@ -73,9 +87,12 @@ contains
       call h5pclose_f(access_list, codes(6))
       call h5pclose_f(creation_list, codes(7))
       call self%note(codes)
+      call system_clock(ticks)
+      self%run_key = int(modulo(ticks, int(huge(self%run_key), long)))
+      call self%set_integers("/", key_name, [self%run_key])
    end subroutine create_file
 
-   !> Open a file that this process has made.
+   !> Open a file that this run has made.
    subroutine open_file(self)
       class(hdf5_file_type), intent(inout) :: self
       integer(hid_t) :: access_list
@@ -86,7 +103,25 @@ contains
       call h5fopen_f(self%path, h5f_acc_rdwr_f, self%id, codes(1), access_prp=access_list)
       call h5pclose_f(access_list, codes(2))
       call self%note(codes)
+      call self%look_for_key()
    end subroutine open_file
+
+   !> A second run with the same output replaces the file: then leave it alone.
+   subroutine look_for_key(self)
+      class(hdf5_file_type), intent(inout) :: self
+      integer(hid_t) :: attribute
+      type(c_ptr) :: buffer
+      integer, target :: key
+      integer :: codes(3)
+
+      if (self%has_failed) return
+      key = 0
+      buffer = c_loc(key)
+      call h5aopen_by_name_f(self%id, "/", key_name, attribute, codes(1))
+      call h5aread_f(attribute, h5t_native_integer, buffer, codes(2))
+      call h5aclose_f(attribute, codes(3))
+      self%has_failed = any(codes < 0) .or. key /= self%run_key
+   end subroutine look_for_key
 
    !> Hand all data to the operating system, so that they survive the end of the process.
    subroutine flush_file(self)
@@ -98,16 +133,23 @@ contains
       call self%note([code])
    end subroutine flush_file
 
-   !> Close the file and report whether everything since the last call has worked.
+   !> Close the file, if it is open, and report whether everything since the last call has worked.
+   !> HDF5 must not see the handle again, not even where closing failed because the disk is full.
    subroutine close_file(self, error)
       class(hdf5_file_type), intent(inout) :: self
       !> Set when something could not be written.
       type(error_type), allocatable, intent(out) :: error
       integer :: code
 
-      call h5fclose_f(self%id, code)
-      call self%note([code])
-      if (self%has_failed) call fatal_error(error, "results: cannot write "//self%path)
+      if (self%id >= 0) then
+         call h5fclose_f(self%id, code)
+         call self%note([code])
+         self%id = -1
+      end if
+      if (self%has_failed) then
+         call fatal_error(error, "results: cannot write "//self%path &
+                          //": the disk is full, or another run has replaced the file")
+      end if
    end subroutine close_file
 
    !> Make a group; its parent exists.

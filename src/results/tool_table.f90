@@ -133,16 +133,22 @@ contains
       text = trim(adjustl(buffer))
    end function number
 
-   !> Write a line to a new file, or append it to one that is there.
+   !> Write a line to a new file, or append it to one that is there. Fortran's run-time library says
+   !> nothing when a disk is full: hence the look at the size.
    subroutine write_line(path, line, status, error)
       character(len=*), intent(in) :: path, line, status
       type(error_type), allocatable, intent(out) :: error
-      integer :: unit, code
+      integer :: unit, code, old_size, new_size
 
+      old_size = 0
       open (newunit=unit, file=path, status=status, position="append", action="write", iostat=code)
+      if (code == 0) inquire (unit, size=old_size)
       if (code == 0) write (unit, "(a)", iostat=code) line
       if (code == 0) close (unit, iostat=code)
-      if (code /= 0) call fatal_error(error, path//": cannot be written")
+      inquire (file=path, size=new_size)
+      if (code /= 0 .or. new_size <= old_size + len(line)) then
+         call fatal_error(error, path//": cannot be written (is the disk full?)")
+      end if
    end subroutine write_line
 
 end module coulter_results_tool_table

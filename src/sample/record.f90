@@ -28,6 +28,9 @@ module coulter_sample_record
       "strain_xx", "strain_yy", "strain_zz", "strain_xy", &
       "stress_xx", "stress_yy", "stress_zz", "stress_xy", "p", "q", "volume_strain", "iterations"]
 
+   !> Characters of a number in a table.
+   integer, parameter :: width = 23
+
 contains
 
    !> Make an empty table.
@@ -83,7 +86,7 @@ contains
       !> Set when it cannot be written.
       type(error_type), allocatable, intent(out) :: error
       character(len=200) :: message
-      integer :: unit, status, i, k
+      integer :: unit, status, i, k, n_bytes
 
       open (newunit=unit, file=path, action="write", status="replace", iostat=status, &
             iomsg=message)
@@ -94,7 +97,13 @@ contains
          write (unit, "(*(es23.15e3, :, ','))", iostat=status, iomsg=message) record%values(:, i)
       end do
       if (status == 0) close (unit, iostat=status, iomsg=message)
-      if (status /= 0) call fatal_error(error, path//": cannot be written: "//trim(message))
+      inquire (file=path, size=n_bytes)
+      if (status /= 0) then
+         call fatal_error(error, path//": cannot be written: "//trim(message))
+      else if (n_bytes < width*size(record%names)*record%n_rows) then
+         ! Fortran's run-time library says nothing of it
+         call fatal_error(error, path//": cannot be written (is the disk full?)")
+      end if
    end subroutine write_record
 
 end module coulter_sample_record
