@@ -62,8 +62,8 @@ module coulter_results_hdf5_io
 
 contains
 
-   !> For a program that opens no other HDF5 files, before the first: let HDF5 not tidy up at the end
-   !> of the process, where it crashes if a full disk has kept a file from being closed.
+   !> For a program that opens no other HDF5 files, before the first: let HDF5 not tidy up at the
+   !> end of the process, where it crashes if a full disk has kept a file from being closed.
    subroutine forgo_cleanup()
       integer :: code
 

@@ -256,17 +256,29 @@ contains
       end do
    end subroutine settle_corners
 
-   !> Corners on the outline that are near no boundary.
+   !> Corners on the outline that are near no boundary, no held node and no side of the grid.
    pure subroutine find_free_corners(is_free, tiling, model)
       logical, intent(out) :: is_free(:)
       type(tiling_type), intent(in) :: tiling
       type(model_type), intent(in) :: model
       real(wp) :: near
-      integer :: b, c
+      integer :: b, c, f
 
       near = touching*model%grid%smallest_spacing()
       is_free = .false.
       is_free(tiling%outer_edge(1, :)) = .true.
+      do c = 1, tiling%n_corners
+         associate (place => tiling%position(:, c))
+            is_free(c) = is_free(c) .and. all(place > model%grid%origin + near) &
+               .and. all(place < model%grid%upper_corner() - near)
+            do f = 1, size(model%fixities)
+               associate (fixity => model%fixities(f))
+                  is_free(c) = is_free(c) .and. .not. (fixity%is_active &
+                     .and. all(place > fixity%lower - near) .and. all(place < fixity%upper + near))
+               end associate
+            end do
+         end associate
+      end do
       do b = 1, size(model%boundaries)
          if (.not. model%boundaries(b)%is_active) cycle
          do c = 1, tiling%n_corners
