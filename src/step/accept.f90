@@ -50,9 +50,7 @@ contains
          call update_points(model, system, moved, failed_point)
       end if
       if (failed_point > 0) then
-         failure = "material point "//to_text(failed_point)//" near (" &
-            //to_text(model%points%position(:, failed_point))//") is turned inside out" &
-            //" or leaves the grid"//system%verdict_text()
+         failure = fate_of(model, system, failed_point)//system%verdict_text()
          return
       end if
       model%points%displacement = model%points%displacement + moved
@@ -73,6 +71,30 @@ contains
       system%last_contacts = system%contacts
       if (allocated(system%bonds)) call remember_bonds(system%contacts, system%bonds)
    end subroutine accept_step
+
+   !> What became of a point that cannot follow.
+   pure function fate_of(model, system, p) result(fate)
+      type(model_type), intent(in) :: model
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: p
+      character(len=:), allocatable :: fate
+      real(wp) :: corner(2, 4)
+      integer :: v
+
+      fate = "material point "//to_text(p)//" of body "//model%bodies(model%points%body(p))%name &
+         //" near ("//to_text(model%points%position(:, p))//") is turned inside out"
+      if (.not. allocated(model%tiling)) then
+         fate = fate//" or leaves the grid"
+         return
+      end if
+      corner = values_at(model%tiling%corner(:, p), model%tiling%position + system%map%increment)
+      do v = 1, 4
+         if (model%grid%contains_position(corner(:, v))) cycle
+         fate = "body "//model%bodies(model%points%body(p))%name//" leaves the grid at (" &
+            //to_text(corner(:, v))//"): give it more cells there, or hold that side"
+         return
+      end do
+   end function fate_of
 
    !> Trial state and motion of all points, those of left-out cells included.
    subroutine update_points(model, system, moved, failed_point)

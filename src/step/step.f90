@@ -97,7 +97,8 @@ contains
       end if
       call system%watch%stop()
       if (first_outside > 0) then
-         failure = "point "//to_text(first_outside)//" is outside the grid"
+         failure = trim(merge("corner", "point ", allocated(model%tiling)))//" " &
+            //to_text(first_outside)//" is outside the grid"
          return
       end if
       call system%watch%start(phase_number)

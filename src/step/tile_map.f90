@@ -50,7 +50,7 @@ contains
       type(tiling_type), intent(in) :: tiling
       !> Background grid.
       type(grid_type), intent(in) :: grid
-      !> First tile with a corner outside the grid, else 0; then nothing is made.
+      !> First corner outside the grid, else 0; then nothing is made.
       integer, intent(out) :: first_outside
       real(wp), allocatable :: samples(:, :)
       real(wp) :: inside(2, tiling%n_corners)

@@ -38,7 +38,7 @@ contains
       type(system_type), intent(inout) :: system
       !> Scene at the start of the step.
       type(model_type), intent(in) :: model
-      !> First tile with a corner outside the grid, else 0.
+      !> First corner outside the grid, else 0.
       integer, intent(out) :: first_outside
       integer :: p
 
