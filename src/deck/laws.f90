@@ -30,7 +30,10 @@ contains
       allocate (laws(size(groups)))
       do i = 1, size(groups)
          choice = 1
+         if (is_given(deck, groups(i), "model")) choice = 0
          call get_choice(deck, groups(i), "model", choice)
+         ! of a model that is none, nothing more can be said
+         if (choice == 0) cycle
          if (choice > size(law_models)) then
             call read_umat(deck, groups(i), laws(i))
          else

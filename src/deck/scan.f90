@@ -75,13 +75,16 @@ contains
 
       if (size(tokens) == 0) return
       message = """"//token_text(deck%text, tokens(1))//""" stands outside all groups"
+      if (scan(token_text(deck%text, tokens(1)), "#%/;-") == 1) then
+         message = message//"; comments begin with !"
+      end if
       if (present(group)) then
          if (group%is_broken) return
          group%is_broken = .true.
          if (tokens(1)%line == slash_line) then
             message = "a / ends the group &"//group%name//", but """ &
-               //token_text(deck%text, tokens(1))//""" follows it; write quotients as numbers " &
-               //"and texts in quotes"
+               //token_text(deck%text, tokens(1))//""" follows it; write quotients as numbers, " &
+               //"texts in quotes, and ! before comments"
             n = size(group%assignments)
             if (n > 0) group%assignments(n)%n_values = -1
          end if

@@ -7,6 +7,7 @@ module coulter_model_scene_check
    use coulter_base_text, only: to_text
    use coulter_boundary, only: boundary_type, formulation_implicit, kind_fixed
    use coulter_boundary_edge_load, only: find_loaded_edges, loaded_edge_type
+   use coulter_boundary_face, only: flatten
    use coulter_model, only: body_force_factor, model_type
    use coulter_model_control, only: domains_tiles
    use coulter_model_initial_stress, only: initial_stress, is_geostatic
@@ -16,6 +17,10 @@ module coulter_model_scene_check
 
    !> Regions may overlap by this share of the smaller one: round-off of the deck's digits.
    real(wp), parameter :: accepted_overlap = 1.0e-6_wp
+   !> A tool may cover this share of a cell at the start, which is pushed out in the first step.
+   real(wp), parameter :: accepted_cover = 0.5_wp
+   !> Arcs are taken as chords that pass this near, over the spacing.
+   real(wp), parameter :: flatness = 0.05_wp
    !> Ratio of the confined to the shear modulus above which a material is nearly incompressible.
    real(wp), parameter :: nearly_incompressible = 10.0_wp
    !> Largest band of the implicit boundary method with its K2, over the spacing and times the ratio
@@ -119,6 +124,7 @@ contains
       do b = 1, size(model%boundaries)
          call check_formulation(model, b, faults)
          call check_reach(model, b, regions, faults)
+         call check_place(model, b, regions, faults)
       end do
    end subroutine check_boundaries
 
@@ -172,6 +178,32 @@ contains
                  //to_text(distance, 4)//" away, more than the grid spacing; set" &
                  //" may_start_apart if it meets material later")
    end subroutine check_reach
+
+   !> A solid tool must not start in material: what it covers would stay in it, and no force would
+   !> tell.
+   subroutine check_place(model, b, regions, faults)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: b
+      type(located_region_type), intent(in) :: regions(:)
+      type(fault_list_type), intent(inout) :: faults
+      real(wp), allocatable :: outline(:, :)
+      real(wp) :: shared
+      integer :: r
+
+      associate (tool => model%boundaries(b))
+         if (.not. tool%is_solid .or. tool%first_phase > 1) return
+         call flatten(tool%vertices, tool%bulges, flatness*model%grid%smallest_spacing(), outline)
+      end associate
+      shared = 0.0_wp
+      do r = 1, size(regions)
+         ! tools run clockwise
+         shared = shared + overlap_area(outline(:, size(outline, 2):2:-1), regions(r)%vertices)
+      end do
+      if (shared <= accepted_cover*model%grid%cell_volume()) return
+      call blame(model, b, faults, "", "starts in the material, of which it covers an area of " &
+                 //to_text(shared, 4)//": let it start outside, or leave its place out of the" &
+                 //" regions (two that meet beside it make a hole)")
+   end subroutine check_place
 
    !> Note a fault of a boundary, a wall or a tool; tools follow the walls.
    subroutine blame(model, b, faults, variable, message)

@@ -62,6 +62,9 @@ def test_there_are_many_bad_decks():
 
 
 UNREADABLE = {
+    "samples only": (lambda path: path.write_text("&sample name = 'clay', law = 'clay' /\n",
+                                                  encoding="utf-8"),
+                     "holds samples and no scene; run it with `coulter point`"),
     "missing": (lambda path: None, "No such file"),
     "a folder": (lambda path: path.mkdir(), "Is a directory"),
     "empty": (lambda path: path.write_text("", encoding="utf-8"), "holds no groups"),
