@@ -7,7 +7,7 @@ module coulter_boundary
    private
    public :: boundary_type, kind_roller, kind_fixed
    public :: formulation_implicit, formulation_nitsche, formulation_augmented
-   public :: nitsche_band_ratio, augmented_band_ratio
+   public :: implicit_band_ratio, nitsche_band_ratio, augmented_band_ratio
 
    !> Only the displacement along the normal is prescribed.
    integer, parameter :: kind_roller = 1
@@ -16,6 +16,8 @@ module coulter_boundary
 
    !> The paper's implicit boundary method: stations on the segments, for points.
    integer, parameter :: formulation_implicit = 1
+   !> Penalty band over the spacing that suits it (theory, section 3).
+   real(wp), parameter :: implicit_band_ratio = 5.0e-6_wp
    !> Stations on the corners of tiles, with the traction of the material (Nitsche).
    integer, parameter :: formulation_nitsche = 2
 
@@ -35,7 +37,7 @@ module coulter_boundary
       !> `kind_roller` or `kind_fixed`.
       integer :: kind = kind_roller
       !> One of `formulation_*`.
-      integer :: formulation = formulation_implicit
+      integer :: formulation = formulation_nitsche
       !> Does the boundary hold the material that starts on it also against being pulled off? Else
       !> it is a wall that only pushes; for `formulation_nitsche`.
       logical :: is_bilateral = .false.
@@ -52,7 +54,7 @@ module coulter_boundary
       integer :: first_phase = 1, last_phase = huge(1)
       logical :: is_active = .true.
       !> Width delta of the Dirichlet band over the grid spacing h.
-      real(wp) :: band_ratio = 5.0e-6_wp
+      real(wp) :: band_ratio = nitsche_band_ratio
       !> Gauss points per piece of segment in a cell: 1 to 3. Two are exact for uniform stress; one
       !> keeps inclined boundaries from locking under bending (theory, section 3, trap 2).
       integer :: n_gauss = 2

@@ -35,7 +35,7 @@ contains
             call get_value(deck, groups(i), "name", body%name)
             call get_reference(deck, groups(i), "law", body%law)
             call get_value(deck, groups(i), "density", body%density)
-            if (domains == domains_tiles) body%points_per_cell = 1
+            if (domains /= domains_tiles) body%points_per_cell = 2
             call get_value(deck, groups(i), "points_per_cell", body%points_per_cell)
             call read_body_stress(deck, groups(i), body)
          end associate

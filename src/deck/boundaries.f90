@@ -3,7 +3,8 @@
 module coulter_deck_boundaries
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: augmented_band_ratio, boundary_type, formulation_augmented, &
-      formulation_implicit, formulation_nitsche, kind_fixed, kind_roller, nitsche_band_ratio
+      formulation_implicit, formulation_nitsche, implicit_band_ratio, kind_fixed, kind_roller, &
+      nitsche_band_ratio
    use coulter_deck_document, only: blame, deck_type, find_groups
    use coulter_deck_outline, only: new_polyline
    use coulter_deck_references, only: check_unique_names, get_reference
@@ -152,6 +153,8 @@ contains
          boundary%band_ratio = merge(nitsche_band_ratio, augmented_band_ratio, choice == 1)
          call read_contact(deck, group, boundary)
       else
+         boundary%formulation = formulation_implicit
+         boundary%band_ratio = implicit_band_ratio
          boundary%has_coupling_term = choice == 3
          call read_implicit(deck, group, boundary)
       end if

@@ -4,7 +4,7 @@ module coulter_deck_tools
    use coulter_base_error, only: error_type
    use coulter_base_kinds, only: wp
    use coulter_base_text, only: last_of_line, to_text
-   use coulter_boundary, only: boundary_type, formulation_nitsche, nitsche_band_ratio
+   use coulter_boundary, only: boundary_type
    use coulter_boundary_tool_shape, only: close_circle, close_outline, fluke_corners, &
       rectangle_corners, turned_to, wedge_corners
    use coulter_deck_boundaries, only: read_friction, read_motion
@@ -67,8 +67,6 @@ contains
       call get_value(deck, group, "name", tool%name)
       tool%is_tool = .true.
       tool%may_start_apart = .true.
-      tool%formulation = formulation_nitsche
-      tool%band_ratio = nitsche_band_ratio
       call get_value(deck, group, "band_ratio", tool%band_ratio)
       call read_friction(deck, group, tool)
       call read_shape(deck, group, tool)

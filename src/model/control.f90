@@ -49,7 +49,7 @@ module coulter_model_control
    !> How a step is solved.
    type :: control_type
       !> What a point stands for: one of `domains_*`.
-      integer :: domains = domains_points
+      integer :: domains = domains_tiles
       !> Do the points of a cell share their volume change, against volumetric locking (F-bar)?
       logical :: has_mean_volume = .false.
       !> Hourglass stiffness of tiles over the one that is exact for a square in bending.

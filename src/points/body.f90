@@ -29,7 +29,7 @@ module coulter_points_body
       !> Mass per unit volume of the undeformed body, >= 0.
       real(wp) :: density = 0.0_wp
       !> Points per cell in each direction.
-      integer :: points_per_cell = 2
+      integer :: points_per_cell = 1
       !> Uniform Cauchy stress at the start: xx, yy, zz, xy, tension positive, stress units.
       real(wp) :: initial_stress(4) = 0.0_wp
       !> Instead: stresses at elevations, linear between them and constant beyond.
