@@ -65,7 +65,8 @@ def draw_frames(results: Results, steps: Sequence[int] | None = None, field: str
             _draw_grid(panel, results.grid, view)
             cells = PolyCollection(frame.outlines(), array=value, norm=norm, cmap="viridis")
             if len(value) <= MOST_EDGES:
-                cells.set(linewidths=0.25, edgecolors=EDGE_COLOUR)
+                # snapped to pixels, some lines would be thicker than others
+                cells.set(linewidths=0.25, edgecolors=EDGE_COLOUR, snap=False)
             else:
                 # as wide as it takes to hide the seams
                 cells.set(linewidths=0.5, edgecolors="face")
@@ -385,15 +386,16 @@ def _draw_outline(panel: Axes, frame: Frame) -> None:
 
 
 def _draw_boundary(panel: Axes, boundary: Boundary, view: np.ndarray) -> None:
-    """The polyline, with its name outside the material, where most of a segment is in view."""
+    """The polyline, with its name outside the material, where most of a segment is to be seen."""
     panel.plot(*boundary.polyline().T, color=INK, linewidth=2.0, solid_capstyle="round")
     share = np.linspace(0.0, 1.0, 101)[:, None]
-    seen, along = [], np.zeros(2)
+    seen, most, along = [], 0.0, np.zeros(2)
     for start, end in zip(boundary.vertices[:-1], boundary.vertices[1:], strict=True):
         places = (1.0 - share) * start + share * end
         places = places[np.all((places >= view[0]) & (places <= view[1]), axis=1)]
-        if len(places) > len(seen):
-            seen, along = places, (end - start) / np.linalg.norm(end - start)
+        length = float(np.linalg.norm(end - start))
+        if len(places) * length > most:
+            seen, most, along = places, len(places) * length, (end - start) / length
     if len(seen) == 0:
         return
     angle = (np.degrees(np.arctan2(along[1], along[0])) + 90.0) % 180.0 - 90.0
