@@ -366,18 +366,23 @@ BEARING = 2.0 + math.pi
 
 
 def footing(n: int, steps: int, scheme: Scheme) -> str:
-    """Half of a smooth strip footing of half-width 1 on weightless clay of strength 1, to failure."""
-    h, more = 1.0 / n, held(scheme)
+    """Half of a smooth strip footing of half-width 1 on weightless clay of strength 1, to failure.
+
+    On tiles it is a tool, whose faces end openly; plain points only know boundaries.
+    """
+    h, more, way = 1.0 / n, held(scheme), (0.0, -4.0e-4)
     corners = [(0, 0), (5, 0), (5, 2.5), (0, 2.5)]
     strength = ", model = 'tresca', shear_strength = 1.0"
-    push = f"{more}, displacement = 0.0, -4.0e-4"
+    push = f", displacement = {listed(*way)}"
+    tool = f"&tool name = 'footing', shape = 'rectangle', size = 2.0, 1.0, position = 0.0, 2.5{push} /\n"
+    plate = boundary("footing", "roller", [(1, 2.5), (0, 2.5)], scheme, push)
     return (
         grid((-h, -h), h, (5 * n + 3, math.ceil(2.5 * n) + 3))
         + material(1.0e5, 0.49, 0.0, corners, scheme, strength)
         + boundary("base", "fixed", [(0, 0), (5, 0)], scheme, more)
         + boundary("left", "roller", [(0, 2.5), (0, 0)], scheme, more)
         + boundary("right", "roller", [(5, 0), (5, 2.5)], scheme, more)
-        + boundary("footing", "roller", [(1, 2.5), (0, 2.5)], scheme, push)
+        + (tool if scheme.bilateral else plate)
         + ending(steps, scheme)
     )
 

@@ -9,8 +9,9 @@ module coulter_boundary_open_end
    private
    public :: ends_openly, end_reach
 
-   !> From this distance on, over the spacing, a face holds corners of bodies for good.
-   real(wp), parameter :: end_reach = 1.0_wp/3.0_wp
+   !> From this distance on, over the spacing, a face holds corners of bodies for good, if their
+   !> edges are a cell long.
+   real(wp), parameter :: end_reach = 0.4_wp
    !> Least cosine of the angle between the normals at the corner: both faces of one that is sharper
    !> than 80 degrees press on what is before it.
    real(wp), parameter :: bluntest = -0.18_wp

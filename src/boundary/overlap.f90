@@ -27,7 +27,7 @@ module coulter_boundary_overlap
    end type overlap_type
 
    !> Largest `hold`, at the distance from the end from which on bodies are held.
-   real(wp), parameter :: most_held = 0.5_wp
+   real(wp), parameter :: most_held = 0.35_wp
    !> Distances from the end below this, over the spacing, count as this.
    real(wp), parameter :: nearest = 1.0e-2_wp
 
@@ -46,18 +46,20 @@ contains
       integer, intent(in) :: segment
       !> Ends of the edge, and spacing of the grid, length units.
       real(wp), intent(in) :: ends(2, 2), spacing
-      real(wp) :: from, to, place(2, 2), distance(2)
+      real(wp) :: from, to, place(2, 2), distance(2), reach
       integer :: i, k
 
       from = 0.0_wp
       to = 1.0_wp
+      ! where two corners of a cell are held, its nodes are, and with them the next corner
+      reach = (1.0_wp + end_reach)*spacing - min(spacing, norm2(ends(:, 2) - ends(:, 1)))
       do i = 1, size(tips)
          k = findloc(tips(i)%faces, segment, dim=1)
          if (k == 0) cycle
          if (.not. tips(i)%is_open(k)) cycle
          place = ends - spread(tool%vertices(:, tips(i)%vertex), 2, 2)
          distance = matmul(tips(i)%inward(:, k), place)
-         call ease(overlap, distance/(end_reach*spacing), end_reach*spacing)
+         call ease(overlap, distance/reach, reach)
          call clip(from, to, distance)
          call clip(from, to, matmul(tips(i)%normal(:, k) - tips(i)%normal(:, 3 - k), place))
       end do
