@@ -8,7 +8,7 @@ module coulter_model_observer
    implicit none(type, external)
    private
    public :: observer_type, observer_item_type, step_report_type, scene_report_type
-   public :: n_phases, phase_names
+   public :: n_phases, phase_names, add_warning
    public :: phase_locate, phase_number, phase_assemble, phase_factorise, phase_solve, phase_accept
    public :: phase_output
 
@@ -75,6 +75,8 @@ module coulter_model_observer
       !> Least scaled Jacobian of a tile's corner, and largest aspect of a tile, relative to the
       !> undeformed tile; 1 without tiles.
       real(wp) :: worst_corner = 1.0_wp, worst_aspect = 1.0_wp
+      !> Length of surfaces of tiled bodies within a cell of other surfaces, length units.
+      real(wp) :: met_length = 0.0_wp
       !> Have the bodies been tiled anew after the step?
       logical :: has_retiled = .false.
       !> Total external force on the material: body force and edge loads, force per thickness.
@@ -144,5 +146,18 @@ module coulter_model_observer
          real(wp), intent(in) :: phase_seconds(n_phases)
       end subroutine finish_interface
    end interface
+
+contains
+
+   !> Append a line.
+   pure subroutine add_warning(warnings, line)
+      !> Lines so far.
+      character(len=:), allocatable, intent(inout) :: warnings
+      !> Line to append.
+      character(len=*), intent(in) :: line
+
+      if (len(warnings) > 0) warnings = warnings//new_line("a")
+      warnings = warnings//line
+   end subroutine add_warning
 
 end module coulter_model_observer

@@ -2,6 +2,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_points_welding
    use coulter_base_kinds, only: wp
+   use coulter_base_sets, only: join_sets, root_of
    implicit none(type, external)
    private
    public :: weld
@@ -34,14 +35,14 @@ contains
             do j = i + 1, last
                if (position(2, order(j)) - position(2, order(i)) > tolerance) exit
                if (abs(position(1, order(j)) - position(1, order(i))) > tolerance) cycle
-               call join(parent, order(i), order(j))
+               call join_sets(parent, order(i), order(j))
             end do
          end do
       end do
       n = 0
       number = 0
       do i = 1, size(order)
-         k = root(parent, order(i))
+         k = root_of(parent, order(i))
          if (number(k) == 0) then
             n = n + 1
             number(k) = n
@@ -72,30 +73,6 @@ contains
       call sort(coordinate(some), sorted)
       sorted = some(sorted)
    end function sorted_by
-
-   !> Let two places have the same number.
-   pure subroutine join(parent, first, second)
-      integer, intent(inout) :: parent(:)
-      integer, intent(in) :: first, second
-      integer :: a, b
-
-      a = root(parent, first)
-      b = root(parent, second)
-      parent(max(a, b)) = min(a, b)
-      parent(first) = min(a, b)
-      parent(second) = min(a, b)
-   end subroutine join
-
-   !> The place that stands for all that are one with some place.
-   pure function root(parent, place) result(found)
-      integer, intent(in) :: parent(:), place
-      integer :: found
-
-      found = place
-      do while (parent(found) /= found)
-         found = parent(found)
-      end do
-   end function root
 
    !> Order that sorts numbers ascending: bottom-up merge sort.
    pure subroutine sort(key, order)

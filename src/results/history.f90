@@ -156,6 +156,8 @@ contains
                     "1 plus the least change of the scaled Jacobian of a tile's corner", "1")
       call add_real(file, "worst_aspect", [integer ::], &
                     "largest aspect of a tile over the first one", "1")
+      call add_real(file, "met_length", [integer ::], &
+                    "length of surfaces within a cell of other surfaces", model%units%length)
       call add_integer(file, "has_retiled", "1 where the bodies were tiled anew after the step")
       call add_real(file, "body_force", [2], "total body force", model%units%force)
       call put_fixity_names(file, model)
@@ -230,6 +232,7 @@ contains
                           report%fixity_reactions)
       call file%put_reals("history/worst_corner", row, 1, [report%worst_corner])
       call file%put_reals("history/worst_aspect", row, 1, [report%worst_aspect])
+      call file%put_reals("history/met_length", row, 1, [report%met_length])
       call put_integer(file, "has_retiled", row, merge(1, 0, report%has_retiled))
       call file%put_reals("history/body_force", row, 2, report%body_force)
       call put_contact_columns(file, row, report)

@@ -8,16 +8,18 @@ module coulter_step_report
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, flatten, new_face, place_on, place_type
    use coulter_model, only: model_type
-   use coulter_model_observer, only: scene_report_type, step_report_type
+   use coulter_model_observer, only: add_warning, scene_report_type, step_report_type
    use coulter_points, only: points_memory
    use coulter_points_tiling, only: measure_quality
    use coulter_step_contact_report, only: report_contacts
    use coulter_step_dofs, only: reduce
+   use coulter_step_loose_parts, only: name_loose_parts
+   use coulter_step_meetings, only: report_meetings
    use coulter_step_newton, only: newton_type
    use coulter_step_system, only: system_memory, system_type
    implicit none(type, external)
    private
-   public :: report_scene, report_step, add_warning
+   public :: report_scene, report_step
 
    !> Boundary length that carries no load is reported from this share of the whole.
    real(wp), parameter :: notable_share = 1.0e-3_wp
@@ -83,6 +85,10 @@ contains
          call measure_quality(model%tiling, report%worst_corner, report%worst_aspect)
       end if
       call collect_warnings(report, model, system)
+      if (allocated(model%tiling)) then
+         call report_meetings(report, model, system)
+         call name_loose_parts(report, model, system)
+      end if
       call doubt(report, newton)
    end subroutine report_step
 
@@ -230,16 +236,5 @@ contains
                           //" of their size only")
       end if
    end subroutine doubt
-
-   !> Append a line.
-   pure subroutine add_warning(warnings, line)
-      !> Lines so far.
-      character(len=:), allocatable, intent(inout) :: warnings
-      !> Line to append.
-      character(len=*), intent(in) :: line
-
-      if (len(warnings) > 0) warnings = warnings//new_line("a")
-      warnings = warnings//line
-   end subroutine add_warning
 
 end module coulter_step_report

@@ -10,9 +10,12 @@ module coulter_step_retile
    use coulter_boundary_trimming, only: is_near_face, push_corners_out, trim_outline
    use coulter_law, only: law_response_type, law_visit_type, n_plane
    use coulter_model, only: model_type
-   use coulter_model_observer, only: step_report_type
+   use coulter_model_observer, only: add_warning, step_report_type
    use coulter_points, only: points_type
+   use coulter_points_folds, only: fold_type
    use coulter_points_outline, only: outline_type, trace_outline
+   use coulter_points_outline_union, only: unite_loops
+   use coulter_points_parts, only: find_parts, part_type
    use coulter_points_retiling, only: tile_outline
    use coulter_points_tile_groups, only: group_tiles
    use coulter_points_tile_quality, only: is_distorted, is_worn
@@ -22,7 +25,8 @@ module coulter_step_retile
    use coulter_step_bonds, only: carry_bonds
    use coulter_step_contact_state, only: whole_motion
    use coulter_step_contact_transfer, only: carry_contacts
-   use coulter_step_report, only: add_warning
+   use coulter_step_meetings, only: do_overlap, report_joints
+   use coulter_step_parting, only: report_parting
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
@@ -51,17 +55,27 @@ contains
       !> What happened in the step.
       type(step_report_type), intent(inout) :: report
       real(wp) :: way
-      logical :: are_distorted, are_due, has_failed
+      type(part_type), allocatable :: parts(:)
+      type(fold_type), allocatable :: folds(:)
+      logical :: are_distorted, are_due, do_lie_over, has_failed
+      integer :: part(model%points%n_points)
 
       way = way_of_tools(model, system)/model%grid%smallest_spacing()
       system%way_since_tiling = system%way_since_tiling + way
       are_distorted = is_distorted(report%worst_corner, report%worst_aspect)
       are_due = is_flowing(model) .and. system%way_since_tiling >= longest_way &
          .and. is_worn(report%worst_corner, report%worst_aspect)
-      if (.not. (are_distorted .or. are_due)) return
+      do_lie_over = do_overlap(system, model%grid%smallest_spacing())
+      if (.not. (are_distorted .or. are_due .or. do_lie_over)) return
+      call find_parts(parts, model%tiling, model%points%body, size(model%bodies), part)
+      folds = system%folds
       has_failed = .true.
       if (model%control%may_retile) call retile_model(model, system, has_failed)
       report%has_retiled = .not. has_failed
+      if (report%has_retiled) then
+         call report_joints(report, model, folds)
+         call report_parting(report, model, system, parts)
+      end if
       if (are_due .and. way > longest_way) then
          call add_warning(report%warnings, "a boundary moves by "//to_text(way, 2) &
                           //" cells in this step while material flows: forces are worth less" &
@@ -194,6 +208,7 @@ contains
          edge = model%grid%spacing/real(model%bodies(b)%points_per_cell, wp)
          call trace_outline(outline, model%tiling%position, edges_of(model, b), &
                             smallest_loop*product(edge))
+         call unite_loops(outline, smallest_loop*product(edge))
          call trim_outline(outline, model%boundaries, model%grid%smallest_spacing())
          call tile_outline(outline, model%grid%origin, edge, vertices)
          call settle_corners(vertices, model, b)

@@ -7,6 +7,7 @@ module coulter_step
    use coulter_model_observer, only: phase_accept, phase_locate, phase_number, step_report_type
    use coulter_step_accept, only: accept_step
    use coulter_step_assembly, only: apply_dead_loads, assemble
+   use coulter_step_meetings, only: find_meetings
    use coulter_step_guess, only: forget_motion, remember_motion
    use coulter_step_newton, only: newton_type, solve_newton
    use coulter_step_passage, only: check_passage
@@ -59,11 +60,12 @@ contains
       if (model%control%has_condition) call assemble(system, model, failed_point)
       call system%watch%start(phase_accept)
       if (allocated(model%tiling)) call check_passage(model, system, failure)
+      if (allocated(model%tiling)) call find_meetings(system, model, failure)
       if (.not. allocated(failure)) call accept_step(model, system, failure)
       if (.not. allocated(failure)) then
          if (allocated(model%tiling)) call remember_motion(system)
          call report_step(report, model, system, newton)
-         call retile_if_distorted(model, system, report)
+         if (allocated(model%tiling)) call retile_if_distorted(model, system, report)
       end if
       call system%watch%stop()
    end subroutine advance_step

@@ -12,6 +12,7 @@ module coulter_step_system
    use coulter_boundary_stations, only: stations_type
    use coulter_grid_cells, only: cells_type
    use coulter_model_contact_report, only: contact_report_type
+   use coulter_points_folds, only: fold_type
    use coulter_law, only: law_sites_type, law_verdict_type, law_visit_type
    use coulter_step_border, only: border_type
    use coulter_step_dofs, only: dofs_type
@@ -81,6 +82,15 @@ module coulter_step_system
       !> section 4).
       logical :: has_friction = .false., has_tension = .false.
       logical :: is_predicting = .false., is_smooth = .false.
+      !> Surfaces of bodies that meet at the end of the step, and the length of those of every pair
+      !> of bodies that a warning has named last, length units, shape (n_bodies, n_bodies).
+      type(fold_type), allocatable :: folds(:)
+      real(wp), allocatable :: named_length(:, :)
+      !> Has a body come apart, and has a warning named parts that are loose?
+      logical :: has_come_apart = .false., has_named_loose = .false.
+      !> Drag on the tiles of loose parts per area and motion, stress over squared length, shape
+      !> (n_tiles); unallocated if there are none.
+      real(wp), allocatable :: drag(:)
       !> Way of the fastest boundary since bodies were tiled, over the grid spacing.
       real(wp) :: way_since_tiling = 0.0_wp
       !> Edges that carry loads for good.

@@ -6,6 +6,7 @@ module coulter_step_tile_assembly
    use coulter_step_contact_forces, only: add_contacts
    use coulter_step_ghost, only: add_ghost_forces
    use coulter_step_hourglass, only: find_pull
+   use coulter_step_loose_parts, only: add_drag
    use coulter_step_point_kernel, only: add_force, point_response_type
    use coulter_step_system, only: system_type
    use coulter_step_tile_map, only: interpolate, spread_to_nodes
@@ -38,6 +39,7 @@ contains
       if (system%needs_tangent) call clear_stars(system%stars)
       call add_interiors(system, model, at_corners, failed_tile)
       if (failed_tile > 0) return
+      if (allocated(system%drag)) call add_drag(system, model, at_corners)
       call spread_to_nodes(system%map, at_corners, system%internal)
       call add_ghost_forces(system%ghost, system%ghost_stiffness, system%increment, &
                             system%internal)

@@ -18,6 +18,7 @@ module coulter_step_tile_setup
    use coulter_step_dofs, only: number_dofs
    use coulter_step_ghost, only: find_ghost_faces, ghost_matrix, ghost_type
    use coulter_step_hourglass, only: hourglass_stiffness
+   use coulter_step_loose_parts, only: find_loose_parts
    use coulter_step_system, only: make_room, renew_pattern, system_type
    use coulter_step_tile_map, only: map_tiles, spread_to_nodes
    use coulter_step_tile_patches, only: build_tile_patches, couple_tile_patches
@@ -107,6 +108,7 @@ contains
       call build_stars(system%stars, model%tiling%corner, model%tiling%n_corners)
       call couple_stars(system%stars, system%map, system%dofs)
       call couple_faces(faces, system)
+      call find_loose_parts(system, model)
       call gather_mass(system, model)
       call make_room(system, size(model%boundaries))
       if (allocated(system%tile_patches)) then

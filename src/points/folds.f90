@@ -1,0 +1,218 @@
+!> Where surfaces of tiled bodies meet: outer edges that face each other across less than some
+!> distance, and those that cross.
+!>
+!> The grid carries both parts along with one field once they share a cell (theory, section 8).
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_points_folds
+   use coulter_base_kinds, only: wp
+   use coulter_base_polygon, only: turn
+   implicit none(type, external)
+   private
+   public :: fold_type, find_folds
+
+   !> Two edges that meet.
+   type :: fold_type
+      !> Their numbers, and those of their bodies, the smaller one first, for who knows them.
+      integer :: edge(2) = 0, body(2) = 0
+      !> Middle of the gap or place of the crossing, length units.
+      real(wp) :: place(2) = 0.0_wp
+      !> Middle of the first edge, and the place of the other one that is nearest to it, length
+      !> units.
+      real(wp) :: ends(2, 2) = 0.0_wp
+      !> Width of the gap, negative by the depth of an overlap, length units.
+      real(wp) :: gap = 0.0_wp
+   end type fold_type
+
+   !> Outer edges with what the search asks of them.
+   type :: edges_type
+      !> Corners at their ends, shape (2, n).
+      integer, allocatable :: corner(:, :)
+      !> First end, last end and middle, length units, shape (2, n); outward normal, shape (2, n).
+      real(wp), allocatable :: first(:, :), last(:, :), middle(:, :), normal(:, :)
+      !> Edges that begin and end where another ends and begins, shape (n).
+      integer, allocatable :: next(:), previous(:)
+   end type edges_type
+
+   !> Edges face each other if the product of their normals is below this.
+   real(wp), parameter :: opposed = -0.5_wp
+   !> The other edge lies ahead if the way to it has this share of its length along the normal.
+   real(wp), parameter :: ahead = 0.5_wp
+   !> The surface between two edges that meet is longer than this, over the distance searched: both
+   !> sides of a notch meet near its tip.
+   real(wp), parameter :: longest_notch = 4.0_wp
+
+contains
+
+   !> Find all pairs of edges that meet; pairs of neighbours at a notch do not count.
+   pure subroutine find_folds(folds, position, edge, distance)
+      !> What is found; no pair twice.
+      type(fold_type), allocatable, intent(out) :: folds(:)
+      !> Positions of all corners, length units, shape (2, n_corners).
+      real(wp), intent(in) :: position(:, :)
+      !> First and last corner of every outer edge, tile on its left, shape (>= 2, n_edges).
+      integer, intent(in) :: edge(:, :)
+      !> Largest gap, length units.
+      real(wp), intent(in) :: distance
+      type(edges_type) :: edges
+      type(fold_type) :: fold
+      integer, allocatable :: head(:, :)
+      integer :: after(size(edge, 2)), cell(2, size(edge, 2)), e, f, i, j, n
+      logical :: do_meet
+
+      allocate (folds(16))
+      n = 0
+      if (size(edge, 2) > 0) then
+         call measure_edges(edges, position, edge)
+         call sort_edges(edges, distance, cell, head, after)
+      end if
+      do e = 1, size(edge, 2)
+         do j = cell(2, e) - 1, cell(2, e) + 1
+            do i = cell(1, e) - 1, cell(1, e) + 1
+               f = head(i, j)
+               do while (f > 0)
+                  call meet(fold, edges, e, f, distance, do_meet)
+                  f = after(f)
+                  if (.not. do_meet) cycle
+                  if (n == size(folds)) folds = [folds, folds]
+                  n = n + 1
+                  folds(n) = fold
+               end do
+            end do
+         end do
+      end do
+      folds = folds(:n)
+   end subroutine find_folds
+
+   !> Places, normals and neighbours of all edges.
+   pure subroutine measure_edges(edges, position, edge)
+      type(edges_type), intent(out) :: edges
+      real(wp), intent(in) :: position(:, :)
+      integer, intent(in) :: edge(:, :)
+      integer :: leaving(size(position, 2)), e
+
+      edges%corner = edge(:2, :)
+      edges%first = position(:, edge(1, :))
+      edges%last = position(:, edge(2, :))
+      edges%middle = 0.5_wp*(edges%first + edges%last)
+      allocate (edges%normal(2, size(edge, 2)), edges%next(size(edge, 2)))
+      allocate (edges%previous(size(edge, 2)), source=0)
+      do e = 1, size(edge, 2)
+         associate (along => edges%last(:, e) - edges%first(:, e))
+            edges%normal(:, e) = [along(2), -along(1)]/max(norm2(along), tiny(1.0_wp))
+         end associate
+         leaving(edge(1, e)) = e
+      end do
+      do e = 1, size(edge, 2)
+         edges%next(e) = leaving(edge(2, e))
+         edges%previous(edges%next(e)) = e
+      end do
+   end subroutine measure_edges
+
+   !> Lists of the edges whose middles lie in the cells of a lattice; those that may meet are in
+   !> neighbouring cells.
+   pure subroutine sort_edges(edges, distance, cell, head, after)
+      type(edges_type), intent(in) :: edges
+      real(wp), intent(in) :: distance
+      !> Cell of every edge, shape (2, n); first edge of every cell, with a margin; next edge in the
+      !> cell, shape (n).
+      integer, intent(out) :: cell(:, :), after(:)
+      integer, allocatable, intent(out) :: head(:, :)
+      real(wp) :: lower(2), width
+      integer :: e
+
+      width = distance + maxval(norm2(edges%last - edges%first, dim=1))
+      lower = minval(edges%middle, dim=2)
+      do e = 1, size(after)
+         cell(:, e) = int((edges%middle(:, e) - lower)/width)
+      end do
+      allocate (head(-1:maxval(cell(1, :)) + 1, -1:maxval(cell(2, :)) + 1), source=0)
+      do e = 1, size(after)
+         associate (first => head(cell(1, e), cell(2, e)))
+            after(e) = first
+            first = e
+         end associate
+      end do
+   end subroutine sort_edges
+
+   !> Do two edges meet, and how?
+   pure subroutine meet(fold, edges, e, f, distance, answer)
+      type(fold_type), intent(out) :: fold
+      type(edges_type), intent(in) :: edges
+      integer, intent(in) :: e, f
+      real(wp), intent(in) :: distance
+      logical, intent(out) :: answer
+      real(wp) :: way(2), along(2)
+
+      answer = .false.
+      if (f <= e) return
+      if (any(edges%corner(:, e) == edges%corner(1, f)) &
+          .or. any(edges%corner(:, e) == edges%corner(2, f))) return
+      fold%edge = [e, f]
+      call cross(fold, edges, e, f, answer)
+      if (answer) return
+      if (dot_product(edges%normal(:, e), edges%normal(:, f)) > opposed) return
+      along = edges%last(:, f) - edges%first(:, f)
+      way = edges%first(:, f) - edges%middle(:, e)
+      way = way - min(max(dot_product(way, along)/dot_product(along, along), -1.0_wp), 0.0_wp)*along
+      fold%gap = norm2(way)
+      fold%ends(:, 1) = edges%middle(:, e)
+      fold%ends(:, 2) = edges%middle(:, e) + way
+      fold%place = edges%middle(:, e) + 0.5_wp*way
+      answer = fold%gap < distance .and. dot_product(way, edges%normal(:, e)) > ahead*fold%gap
+      if (answer) answer = .not. are_neighbours(edges, e, f, longest_notch*distance)
+   end subroutine meet
+
+   !> Do two edges cross, and how deep is the overlap: how far is the end of one behind the other?
+   pure subroutine cross(fold, edges, e, f, answer)
+      type(fold_type), intent(inout) :: fold
+      type(edges_type), intent(in) :: edges
+      integer, intent(in) :: e, f
+      logical, intent(out) :: answer
+      real(wp) :: of_f(2), of_e(2), share
+
+      ! twice the areas of the triangles between one edge and the ends of the other
+      associate (a => edges%first(:, e), b => edges%last(:, e), c => edges%first(:, f), &
+                 d => edges%last(:, f))
+         of_e = [turn(c, d, a), turn(c, d, b)]
+         of_f = [turn(a, b, c), turn(a, b, d)]
+         answer = of_e(1)*of_e(2) < 0.0_wp .and. of_f(1)*of_f(2) < 0.0_wp
+         if (.not. answer) return
+         share = of_e(1)/(of_e(1) - of_e(2))
+         fold%place = a + share*(b - a)
+         fold%ends = spread(fold%place, 2, 2)
+         fold%gap = -min(maxval(of_e)/norm2(d - c), maxval(of_f)/norm2(b - a))
+      end associate
+   end subroutine cross
+
+   !> Is the surface between two edges shorter than some length?
+   pure function are_neighbours(edges, e, f, longest) result(answer)
+      type(edges_type), intent(in) :: edges
+      integer, intent(in) :: e, f
+      real(wp), intent(in) :: longest
+      logical :: answer
+
+      answer = follows(edges%next) .or. follows(edges%previous)
+
+   contains
+
+      !> Does the second edge follow the first in one of both senses?
+      pure function follows(next) result(answer)
+         integer, intent(in) :: next(:)
+         logical :: answer
+         real(wp) :: length
+         integer :: k
+
+         length = 0.0_wp
+         k = next(e)
+         do while (k > 0 .and. length < longest)
+            answer = k == f
+            if (answer) return
+            length = length + norm2(edges%last(:, k) - edges%first(:, k))
+            k = next(k)
+         end do
+         answer = .false.
+      end function follows
+
+   end function are_neighbours
+
+end module coulter_points_folds
