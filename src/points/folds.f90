@@ -37,6 +37,8 @@ module coulter_points_folds
    real(wp), parameter :: opposed = -0.5_wp
    !> The other edge lies ahead if the way to it has this share of its length along the normal.
    real(wp), parameter :: ahead = 0.5_wp
+   !> Ends nearer than this to the other edge, over its length, lie on it.
+   real(wp), parameter :: round_off = 1.0e-9_wp
    !> The surface between two edges that meet is longer than this, over the distance searched: both
    !> sides of a notch meet near its tip.
    real(wp), parameter :: longest_notch = 4.0_wp
@@ -96,6 +98,8 @@ contains
       edges%middle = 0.5_wp*(edges%first + edges%last)
       allocate (edges%normal(2, size(edge, 2)), edges%next(size(edge, 2)))
       allocate (edges%previous(size(edge, 2)), source=0)
+      ! chains need not close: tiles that overlap hide edges from each other
+      leaving = 0
       do e = 1, size(edge, 2)
          associate (along => edges%last(:, e) - edges%first(:, e))
             edges%normal(:, e) = [along(2), -along(1)]/max(norm2(along), tiny(1.0_wp))
@@ -104,7 +108,7 @@ contains
       end do
       do e = 1, size(edge, 2)
          edges%next(e) = leaving(edge(2, e))
-         edges%previous(edges%next(e)) = e
+         if (edges%next(e) > 0) edges%previous(edges%next(e)) = e
       end do
    end subroutine measure_edges
 
@@ -141,26 +145,38 @@ contains
       integer, intent(in) :: e, f
       real(wp), intent(in) :: distance
       logical, intent(out) :: answer
-      real(wp) :: way(2), along(2)
 
       answer = .false.
       if (f <= e) return
       if (any(edges%corner(:, e) == edges%corner(1, f)) &
           .or. any(edges%corner(:, e) == edges%corner(2, f))) return
-      fold%edge = [e, f]
       call cross(fold, edges, e, f, answer)
       if (answer) return
       if (dot_product(edges%normal(:, e), edges%normal(:, f)) > opposed) return
+      call look_ahead(fold, edges, e, f, distance, answer)
+      if (.not. answer) call look_ahead(fold, edges, f, e, distance, answer)
+      if (answer) answer = .not. are_neighbours(edges, e, f, longest_notch*distance)
+   end subroutine meet
+
+   !> Does one edge lie ahead of the middle of another?
+   pure subroutine look_ahead(fold, edges, e, f, distance, answer)
+      type(fold_type), intent(inout) :: fold
+      type(edges_type), intent(in) :: edges
+      integer, intent(in) :: e, f
+      real(wp), intent(in) :: distance
+      logical, intent(out) :: answer
+      real(wp) :: way(2), along(2)
+
       along = edges%last(:, f) - edges%first(:, f)
       way = edges%first(:, f) - edges%middle(:, e)
       way = way - min(max(dot_product(way, along)/dot_product(along, along), -1.0_wp), 0.0_wp)*along
+      fold%edge = [e, f]
       fold%gap = norm2(way)
       fold%ends(:, 1) = edges%middle(:, e)
       fold%ends(:, 2) = edges%middle(:, e) + way
       fold%place = edges%middle(:, e) + 0.5_wp*way
       answer = fold%gap < distance .and. dot_product(way, edges%normal(:, e)) > ahead*fold%gap
-      if (answer) answer = .not. are_neighbours(edges, e, f, longest_notch*distance)
-   end subroutine meet
+   end subroutine look_ahead
 
    !> Do two edges cross, and how deep is the overlap: how far is the end of one behind the other?
    pure subroutine cross(fold, edges, e, f, answer)
@@ -178,9 +194,13 @@ contains
          answer = of_e(1)*of_e(2) < 0.0_wp .and. of_f(1)*of_f(2) < 0.0_wp
          if (.not. answer) return
          share = of_e(1)/(of_e(1) - of_e(2))
+         fold%edge = [e, f]
          fold%place = a + share*(b - a)
          fold%ends = spread(fold%place, 2, 2)
          fold%gap = -min(maxval(of_e)/norm2(d - c), maxval(of_f)/norm2(b - a))
+         ! what touches with a corner does not cross
+         answer = minval(abs(of_e)) > round_off*dot_product(d - c, d - c) &
+            .and. minval(abs(of_f)) > round_off*dot_product(b - a, b - a)
       end associate
    end subroutine cross
 

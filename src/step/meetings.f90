@@ -11,16 +11,20 @@ module coulter_step_meetings
    use coulter_model_observer, only: add_warning, step_report_type
    use coulter_points_folds, only: find_folds, fold_type
    use coulter_points_outline, only: encloses, outline_type, trace_outline
+   use coulter_points_outline_union, only: bridge_gaps, unite_loops
    use coulter_step_contact_state, only: whole_motion
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
-   public :: find_meetings, report_meetings, report_joints, do_overlap
+   public :: find_meetings, report_meetings, join_surfaces, report_joints, do_overlap
 
    !> Surfaces nearer than this meet, over the spacing.
    real(wp), parameter :: reach = 1.0_wp
    !> Overlaps deeper than these, over the spacing, end a step and ask for new tiles.
    real(wp), parameter :: deepest = 0.25_wp, tolerated = 0.05_wp
+   !> Surfaces nearer than this touch and are joined by new tiles; bulges that bridge the gap go this
+   !> far beyond its middle, over the spacing.
+   real(wp), parameter :: touching = 0.2_wp, bridging = 0.02_wp
    !> Lengths that meet are named anew when they have grown by this factor.
    real(wp), parameter :: growth = 2.0_wp
 
@@ -35,18 +39,13 @@ contains
       !> Which bodies would overlap; unallocated when none would.
       character(len=:), allocatable, intent(inout) :: failure
       type(fold_type), allocatable :: folds(:)
-      type(motion_type) :: motion
       integer :: b, k
 
       associate (h => model%grid%smallest_spacing())
          call find_folds(folds, model%tiling%position + system%map%increment, &
                          model%tiling%outer_edge, reach*h)
          do b = 1, size(model%boundaries)
-            if (size(folds) == 0) exit
-            if (.not. (model%boundaries(b)%is_tool .and. model%boundaries(b)%is_active)) cycle
-            motion = whole_motion(system, model, b)
-            folds = pack(folds, [(.not. lies_between(model%boundaries(b), motion, folds(k)), &
-                                  k=1, size(folds))])
+            call drop_separated(folds, model%boundaries(b), whole_motion(system, model, b))
          end do
          do k = 1, size(folds)
             associate (body => model%points%body(model%tiling%outer_edge(3, folds(k)%edge)))
@@ -61,6 +60,40 @@ contains
             //to_text(system%folds(k)%place)//"), by "//to_text(-system%folds(k)%gap, 2)
       end associate
    end subroutine find_meetings
+
+   !> Leave out surfaces with a face of a tool between them.
+   pure subroutine drop_separated(folds, boundary, motion)
+      type(fold_type), allocatable, intent(inout) :: folds(:)
+      type(boundary_type), intent(in) :: boundary
+      type(motion_type), intent(in) :: motion
+      integer :: k
+
+      if (size(folds) == 0 .or. .not. (boundary%is_tool .and. boundary%is_active)) return
+      folds = pack(folds, [(.not. lies_between(boundary, motion, folds(k)), k=1, size(folds))])
+   end subroutine drop_separated
+
+   !> Make one of the parts of an outline that touch or overlap.
+   pure subroutine join_surfaces(outline, model, least_area)
+      !> Outline of a body.
+      type(outline_type), intent(inout) :: outline
+      !> Scene with its tools.
+      type(model_type), intent(in) :: model
+      !> Smallest area of a loop that is kept.
+      real(wp), intent(in) :: least_area
+      type(fold_type), allocatable :: folds(:)
+      integer :: b, c
+
+      associate (h => model%grid%smallest_spacing())
+         call find_folds(folds, outline%corner, &
+                         reshape([(c, outline%next(c), c=1, outline%n)], [2, outline%n]), touching*h)
+         do b = 1, size(model%boundaries)
+            call drop_separated(folds, model%boundaries(b), motion_type())
+         end do
+         if (size(folds) == 0) return
+         call bridge_gaps(outline, folds, bridging*h)
+         call unite_loops(outline, least_area, touching*h)
+      end associate
+   end subroutine join_surfaces
 
    !> Is a face of a tool between two surfaces?
    pure function lies_between(tool, motion, fold) result(answer)

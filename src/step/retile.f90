@@ -14,7 +14,6 @@ module coulter_step_retile
    use coulter_points, only: points_type
    use coulter_points_folds, only: fold_type
    use coulter_points_outline, only: outline_type, trace_outline
-   use coulter_points_outline_union, only: unite_loops
    use coulter_points_parts, only: find_parts, part_type
    use coulter_points_retiling, only: tile_outline
    use coulter_points_tile_groups, only: group_tiles
@@ -25,7 +24,7 @@ module coulter_step_retile
    use coulter_step_bonds, only: carry_bonds
    use coulter_step_contact_state, only: whole_motion
    use coulter_step_contact_transfer, only: carry_contacts
-   use coulter_step_meetings, only: do_overlap, report_joints
+   use coulter_step_meetings, only: do_overlap, join_surfaces, report_joints
    use coulter_step_parting, only: report_parting
    use coulter_step_system, only: system_type
    implicit none(type, external)
@@ -208,7 +207,7 @@ contains
          edge = model%grid%spacing/real(model%bodies(b)%points_per_cell, wp)
          call trace_outline(outline, model%tiling%position, edges_of(model, b), &
                             smallest_loop*product(edge))
-         call unite_loops(outline, smallest_loop*product(edge))
+         call join_surfaces(outline, model, smallest_loop*product(edge))
          call trim_outline(outline, model%boundaries, model%grid%smallest_spacing())
          call tile_outline(outline, model%grid%origin, edge, vertices)
          call settle_corners(vertices, model, b)
