@@ -70,6 +70,9 @@ module coulter_model_observer
       real(wp), allocatable :: fixity_reactions(:, :)
       !> Deepest point behind every boundary, length units, 0 if none, shape (n_boundaries).
       real(wp), allocatable :: penetrations(:)
+      !> Depth of the deepest corner of every tool in a tiled body, length units, 0 if none, shape
+      !> (n_boundaries).
+      real(wp), allocatable :: tip_penetrations(:)
       !> Length of every boundary that acts on material, length units, shape (n_boundaries).
       real(wp), allocatable :: loaded_lengths(:)
       !> Least scaled Jacobian of a tile's corner, and largest aspect of a tile, relative to the

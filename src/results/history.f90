@@ -147,6 +147,8 @@ contains
                     model%units%force)
       call add_real(file, "penetrations", [n], "deepest point behind every boundary", &
                     model%units%length)
+      call add_real(file, "tip_penetrations", [n], "deepest corner of every tool in a body", &
+                    model%units%length)
       call add_real(file, "loaded_lengths", [n], "length of every boundary that acts", &
                     model%units%length)
       call add_real(file, "fixity_reactions", [2, size(model%fixities)], &
@@ -227,6 +229,7 @@ contains
       call file%put_reals("history/boundary_displacements", row, 2*n, displacements)
       call file%put_reals("history/boundary_reactions", row, 2*n, report%boundary_reactions)
       call file%put_reals("history/penetrations", row, n, report%penetrations)
+      call file%put_reals("history/tip_penetrations", row, n, report%tip_penetrations)
       call file%put_reals("history/loaded_lengths", row, n, report%loaded_lengths)
       call file%put_reals("history/fixity_reactions", row, 2*size(model%fixities), &
                           report%fixity_reactions)

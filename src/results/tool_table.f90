@@ -113,7 +113,9 @@ contains
 
       associate (c => report%contacts(b))
          values = [report%boundary_reactions(:, b), c%moment, c%centre, c%rotation, &
-                   report%loaded_lengths(b), report%penetrations(b), c%work, c%pressing, c%rubbing]
+                   report%loaded_lengths(b), &
+                   max(report%penetrations(b), report%tip_penetrations(b)), c%work, c%pressing, &
+                   c%rubbing]
          text = ""
          do i = 1, size(values)
             text = text//","//number(values(i))

@@ -4,9 +4,6 @@ module coulter_step_report
    use coulter_algebra_condition, only: scaled_condition
    use coulter_base_kinds, only: long, wp
    use coulter_base_text, only: to_text
-   use coulter_base_polygon, only: contains_point, distance_to_segment
-   use coulter_boundary, only: boundary_type
-   use coulter_boundary_face, only: face_type, flatten, new_face, place_on, place_type
    use coulter_model, only: model_type
    use coulter_model_observer, only: add_warning, scene_report_type, step_report_type
    use coulter_points, only: points_memory
@@ -16,6 +13,7 @@ module coulter_step_report
    use coulter_step_loose_parts, only: name_loose_parts
    use coulter_step_meetings, only: report_meetings
    use coulter_step_newton, only: newton_type
+   use coulter_step_penetration, only: measure_penetrations
    use coulter_step_system, only: system_memory, system_type
    implicit none(type, external)
    private
@@ -23,9 +21,6 @@ module coulter_step_report
 
    !> Boundary length that carries no load is reported from this share of the whole.
    real(wp), parameter :: notable_share = 1.0e-3_wp
-
-   !> Sagitta of the chords that stand for arcs, over the spacing.
-   real(wp), parameter :: flatness = 1.0e-4_wp
 
    !> Residuals above this are warned of where round-off, not the tolerance, ended the iteration.
    real(wp), parameter :: notable_residual = 1.0e-5_wp
@@ -113,87 +108,6 @@ contains
          end do
       end do
    end subroutine sum_fixity_reactions
-
-   !> Depth of the deepest point, or corner of a tile, behind every boundary, among those whose foot
-   !> lies on one of its faces; of solid tools, among those inside.
-   pure subroutine measure_penetrations(report, model)
-      type(step_report_type), intent(inout) :: report
-      type(model_type), intent(in) :: model
-      integer :: b
-
-      allocate (report%penetrations(size(model%boundaries)), source=0.0_wp)
-      do b = 1, size(report%penetrations)
-         if (.not. model%boundaries(b)%is_active) cycle
-         if (allocated(model%tiling)) then
-            report%penetrations(b) = penetration(model%boundaries(b), model%tiling%position, &
-                                                 model%grid%smallest_spacing())
-         else
-            report%penetrations(b) = penetration(model%boundaries(b), model%points%position, &
-                                                 model%grid%smallest_spacing())
-         end if
-      end do
-   end subroutine measure_penetrations
-
-   !> Largest depth behind a boundary, 0 if nothing is there.
-   pure function penetration(boundary, position, spacing) result(deepest)
-      type(boundary_type), intent(in) :: boundary
-      real(wp), intent(in) :: position(:, :), spacing
-      real(wp) :: deepest
-      integer :: s
-
-      if (boundary%is_solid) then
-         deepest = depth_inside(boundary, position, flatness*spacing)
-         return
-      end if
-      deepest = 0.0_wp
-      do s = 1, size(boundary%vertices, 2) - 1
-         deepest = max(deepest, depth_behind(boundary, s, position))
-      end do
-   end function penetration
-
-   !> Depth of the deepest point inside a closed chain of faces, whose arcs are flattened.
-   pure function depth_inside(boundary, position, sagitta) result(deepest)
-      type(boundary_type), intent(in) :: boundary
-      real(wp), intent(in) :: position(:, :), sagitta
-      real(wp) :: deepest
-      real(wp), allocatable :: polyline(:, :)
-      real(wp) :: depth, lower(2), upper(2)
-      integer :: p, k
-
-      call flatten(boundary%vertices, boundary%bulges, sagitta, polyline)
-      lower = minval(polyline, dim=2)
-      upper = maxval(polyline, dim=2)
-      deepest = 0.0_wp
-      do p = 1, size(position, 2)
-         if (any(position(:, p) < lower .or. position(:, p) > upper)) cycle
-         if (.not. contains_point(polyline(:, 2:), position(:, p))) cycle
-         depth = huge(depth)
-         do k = 2, size(polyline, 2)
-            depth = min(depth, distance_to_segment(position(:, p), polyline(:, k - 1), &
-                                                   polyline(:, k)))
-         end do
-         deepest = max(deepest, depth)
-      end do
-   end function depth_inside
-
-   !> Depth of the deepest point behind a face, 0 if none is.
-   pure function depth_behind(boundary, s, position) result(deepest)
-      type(boundary_type), intent(in) :: boundary
-      integer, intent(in) :: s
-      real(wp), intent(in) :: position(:, :)
-      real(wp) :: deepest
-      type(face_type) :: face
-      type(place_type) :: place
-      integer :: p
-
-      call new_face(face, boundary%vertices(:, s), boundary%vertices(:, s + 1), boundary%bulge(s))
-      deepest = 0.0_wp
-      do p = 1, size(position, 2)
-         place = place_on(face, position(:, p) - face%first, [0.0_wp, 0.0_wp])
-         if (place%distance < 0.0_wp .or. place%distance > face%length) cycle
-         deepest = max(deepest, -place%gap)
-      end do
-   end function depth_behind
 
    !> What the user should know although the step succeeded.
    pure subroutine collect_warnings(report, model, system)
