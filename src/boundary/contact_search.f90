@@ -36,6 +36,9 @@ module coulter_boundary_contact_search
    !> Edges deeper behind a face than this, over the spacing, and the way that the face has come in
    !> the step belong to something else.
    real(wp), parameter :: deepest = 1.0_wp
+   !> A corner of a tool this near to a face of another one abuts on it, over the spacing, if the
+   !> product of the normals of both faces is more than this.
+   real(wp), parameter :: abutting = 1.0e-6_wp, same_way = 0.99_wp
    !> What came round a corner of a tool by less than this is pushed out at once, over the spacing.
    real(wp), parameter :: round_slack = 0.02_wp
 
@@ -91,12 +94,63 @@ contains
          approach(b)%motion = motion(b)
          approach(b)%may_turn = abs(motion(b)%rotation) > 0.0_wp .or. boundaries(b)%turns_freely
          call find_tips(approach(b)%tips, boundaries(b), tiling, spacing)
+         call close_abutting_ends(approach(b)%tips, boundaries, b, tiling, spacing)
       end do
       approach%reach = reach*spacing + 2.0_wp*maxval([0.0_wp, shift])
       approach%deepest = deepest*spacing + shift
       approach%slack = end_slack*spacing
       approach%spacing = spacing
    end subroutine look_ahead
+
+   !> Where a face of another tool carries on from the end of a face, that is not open: the body
+   !> does not go on beyond it without a tool. Corners of the body at such a place need no tip.
+   pure subroutine close_abutting_ends(tips, boundaries, b, tiling, spacing)
+      !> Sharp corners of a tool.
+      type(tip_type), allocatable, intent(inout) :: tips(:)
+      type(boundary_type), intent(in) :: boundaries(:)
+      !> Number of the tool.
+      integer, intent(in) :: b
+      type(tiling_type), intent(in) :: tiling
+      real(wp), intent(in) :: spacing
+      logical :: does_abut(2), is_kept(size(tips))
+      real(wp) :: ends(2, 2)
+      integer :: c, i
+
+      is_kept = .true.
+      do i = 1, size(tips)
+         do c = 1, size(boundaries)
+            if (c == b .or. .not. (boundaries(c)%is_tool .and. boundaries(c)%is_active)) cycle
+            does_abut = carries_on(boundaries(c), boundaries(b)%vertices(:, tips(i)%vertex), &
+                                   tips(i)%normal, abutting*spacing)
+            tips(i)%is_open = tips(i)%is_open .and. .not. does_abut
+            if (.not. any(does_abut)) cycle
+            ends = tiling%position(:, tiling%outer_edge(:2, tips(i)%edge))
+            is_kept(i) = min(tips(i)%share, 1.0_wp - tips(i)%share) &
+               *norm2(ends(:, 2) - ends(:, 1)) > end_slack*spacing
+         end do
+      end do
+      if (.not. all(is_kept)) tips = pack(tips, is_kept)
+   end subroutine close_abutting_ends
+
+   !> Does a face of a tool that looks the same way as one of two others pass through a place?
+   pure function carries_on(tool, place, normal, slack) result(answer)
+      type(boundary_type), intent(in) :: tool
+      !> Place, normals of the other faces, and distance below which it is on the face.
+      real(wp), intent(in) :: place(2), normal(2, 2), slack
+      logical :: answer(2)
+      type(face_type) :: face
+      type(place_type) :: foot
+      integer :: s
+
+      answer = .false.
+      do s = 1, size(tool%vertices, 2) - 1
+         call new_face(face, tool%vertices(:, s), tool%vertices(:, s + 1), tool%bulge(s))
+         foot = place_on(face, place - face%first, [0.0_wp, 0.0_wp])
+         if (abs(foot%gap) > slack .or. foot%distance < -slack &
+             .or. foot%distance > face%length + slack) cycle
+         answer = answer .or. matmul(foot%normal, normal) > same_way
+      end do
+   end function carries_on
 
    !> Stations at both ends of an edge against one face.
    pure subroutine meet(contacts, boundary, s, approach, tiling, e, held)

@@ -11,8 +11,8 @@ module coulter_points_outline_union
 
    !> How far beside an edge it is asked whether that is buried, over its length.
    real(wp), parameter :: beside = 1.0e-4_wp
-   !> Slits whose sides are this far apart, over their length, are none (60 degrees); share of a side
-   !> that is filled.
+   !> Slits whose sides are this far apart, over their length, are none (60 degrees); share of a
+   !> side that is filled.
    real(wp), parameter :: widest = 1.0_wp, nearly_all = 0.9_wp
    !> Places this near to an end of an edge, over its length, are that end.
    real(wp), parameter :: near_end = 0.05_wp

@@ -22,8 +22,8 @@ module coulter_step_meetings
    real(wp), parameter :: reach = 1.0_wp
    !> Overlaps deeper than these, over the spacing, end a step and ask for new tiles.
    real(wp), parameter :: deepest = 0.25_wp, tolerated = 0.05_wp
-   !> Surfaces nearer than this touch and are joined by new tiles; bulges that bridge the gap go this
-   !> far beyond its middle, over the spacing.
+   !> Surfaces nearer than this touch and are joined by new tiles; bulges that bridge the gap go
+   !> this far beyond its middle, over the spacing.
    real(wp), parameter :: touching = 0.2_wp, bridging = 0.02_wp
    !> Lengths that meet are named anew when they have grown by this factor.
    real(wp), parameter :: growth = 2.0_wp
@@ -85,7 +85,8 @@ contains
 
       associate (h => model%grid%smallest_spacing())
          call find_folds(folds, outline%corner, &
-                         reshape([(c, outline%next(c), c=1, outline%n)], [2, outline%n]), touching*h)
+                         reshape([(c, outline%next(c), c=1, outline%n)], [2, outline%n]), &
+                         touching*h)
          do b = 1, size(model%boundaries)
             call drop_separated(folds, model%boundaries(b), motion_type())
          end do

@@ -18,8 +18,8 @@ module coulter_step_penetration
 contains
 
    !> Depth of the deepest point, or corner of a tile, behind every boundary, among those whose foot
-   !> lies on one of its faces, of solid tools among those inside; and of the deepest corner of every
-   !> tool in a tiled body.
+   !> lies on one of its faces, of solid tools among those inside; and of the deepest corner of
+   !> every tool in a tiled body.
    pure subroutine measure_penetrations(report, model)
       !> Report of a step; gets `penetrations` and `tip_penetrations`.
       type(step_report_type), intent(inout) :: report
@@ -121,8 +121,9 @@ contains
                        b => tiling%position(:, tiling%outer_edge(2, e)), x => tool%vertices(:, v))
                depth = min(depth, distance_to_segment(x, a, b))
                if ((a(2) > x(2)) .eqv. (b(2) > x(2))) cycle
-               if (x(1) < a(1) + (b(1) - a(1))*(x(2) - a(2))/(b(2) - a(2))) &
+               if (x(1) < a(1) + (b(1) - a(1))*(x(2) - a(2))/(b(2) - a(2))) then
                   winding = winding + merge(1, -1, b(2) > a(2))
+               end if
             end associate
          end do
          if (winding > 0) deepest = max(deepest, depth)
