@@ -5,7 +5,7 @@ module coulter_base_polygon
    implicit none(type, external)
    private
    public :: polygon_type, clip_half_plane, clip_box, area_and_centroid, overlap_area
-   public :: polyline_distance, contains_point, distance_to_segment, turn
+   public :: polyline_distance, contains_point, distance_to_segment, turn, winding_number
 
    !> A polygon that can shrink and grow; corners beyond `n` are not meaningful.
    type :: polygon_type
@@ -244,5 +244,25 @@ contains
       value = (second(1) - first(1))*(third(2) - first(2)) &
          - (second(2) - first(2))*(third(1) - first(1))
    end function turn
+
+   !> How often closed loops of segments run round a position, counter-clockwise.
+   pure function winding_number(first, last, position) result(winding)
+      !> Ends of the segments, in any order, length units, shape (2, n).
+      real(wp), intent(in) :: first(:, :), last(:, :)
+      !> The position, length units.
+      real(wp), intent(in) :: position(2)
+      integer :: winding
+      integer :: k
+
+      winding = 0
+      do k = 1, size(first, 2)
+         associate (a => first(:, k), b => last(:, k))
+            if ((a(2) > position(2)) .eqv. (b(2) > position(2))) cycle
+            if (position(1) < a(1) + (b(1) - a(1))*(position(2) - a(2))/(b(2) - a(2))) then
+               winding = winding + merge(1, -1, b(2) > a(2))
+            end if
+         end associate
+      end do
+   end function winding_number
 
 end module coulter_base_polygon

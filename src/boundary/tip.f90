@@ -2,6 +2,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_boundary_tip
    use coulter_base_kinds, only: wp
+   use coulter_base_polygon, only: turn, winding_number
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
    use coulter_boundary_open_end, only: ends_openly
@@ -36,6 +37,8 @@ module coulter_boundary_tip
    real(wp), parameter :: sharp = 0.1_wp
    !> Edges whose outward normal has this or a smaller component along the corner's may meet it.
    real(wp), parameter :: facing = -0.3_wp
+   !> A corner this little behind an edge is on it, over the spacing.
+   real(wp), parameter :: touching = 1.0e-3_wp
    !> Edges farther away than this, over the spacing and beyond the way of the tool, do not meet it
    !> in a step.
    real(wp), parameter :: reach = 2.0_wp
@@ -67,7 +70,8 @@ contains
          call look_at_corner(tool, tip%faces, is_sharp, tip%normal)
          if (.not. is_sharp) cycle
          call nearest_outer_edge(tiling, tool%vertices(:, v), tip%edge, tip%share, &
-                                 looks_at(tiling, sum(tip%normal, dim=2)))
+                                 may_meet(tiling, tool%vertices(:, v), sum(tip%normal, dim=2), &
+                                          touching*spacing))
          if (tip%edge == 0) cycle
          ends = tiling%position(:, tiling%outer_edge(:2, tip%edge))
          tip%share = min(max(tip%share, 0.0_wp), 1.0_wp)
@@ -166,20 +170,26 @@ contains
       normal(:, 2) = place(2)%normal
    end subroutine look_at_corner
 
-   !> Which outer edges look at a corner?
-   pure function looks_at(tiling, normal) result(answer)
+   !> Which outer edges look at a corner? One that is outside the bodies meets only edges that it is
+   !> in front of: it is below a lip of a body where it is behind one, and not in it.
+   pure function may_meet(tiling, corner, normal, slack) result(answer)
       type(tiling_type), intent(in) :: tiling
-      real(wp), intent(in) :: normal(2)
+      real(wp), intent(in) :: corner(2), normal(2), slack
       logical :: answer(size(tiling%outer_edge, 2))
-      real(wp) :: along(2), least
+      real(wp) :: along(2), least, depth
       integer :: e
 
       least = facing*norm2(normal)
-      do e = 1, size(answer)
-         along = tiling%position(:, tiling%outer_edge(2, e)) &
-            - tiling%position(:, tiling%outer_edge(1, e))
-         answer(e) = along(2)*normal(1) - along(1)*normal(2) < least*norm2(along)
-      end do
-   end function looks_at
+      associate (first => tiling%position(:, tiling%outer_edge(1, :)), &
+                 last => tiling%position(:, tiling%outer_edge(2, :)))
+         depth = slack
+         if (winding_number(first, last, corner) > 0) depth = huge(depth)
+         do e = 1, size(answer)
+            along = (last(:, e) - first(:, e))/norm2(last(:, e) - first(:, e))
+            answer(e) = along(2)*normal(1) - along(1)*normal(2) < least &
+               .and. turn(first(:, e), first(:, e) + along, corner) < depth
+         end do
+      end associate
+   end function may_meet
 
 end module coulter_boundary_tip

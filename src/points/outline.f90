@@ -2,7 +2,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_points_outline
    use coulter_base_kinds, only: wp
-   use coulter_base_polygon, only: area_and_centroid
+   use coulter_base_polygon, only: area_and_centroid, winding_number
    implicit none(type, external)
    private
    public :: outline_type, trace_outline, sharp_corners, insert_corner, encloses
@@ -156,18 +156,10 @@ contains
       !> The position, length units.
       real(wp), intent(in) :: position(2)
       logical :: answer
-      integer :: c, winding
 
-      winding = 0
-      do c = 1, outline%n
-         associate (a => outline%corner(:, c), b => outline%corner(:, outline%next(c)))
-            if ((a(2) > position(2)) .eqv. (b(2) > position(2))) cycle
-            if (position(1) < a(1) + (b(1) - a(1))*(position(2) - a(2))/(b(2) - a(2))) then
-               winding = winding + merge(1, -1, b(2) > a(2))
-            end if
-         end associate
-      end do
-      answer = winding > 0
+      associate (corner => outline%corner(:, :outline%n))
+         answer = winding_number(corner, outline%corner(:, outline%next(:outline%n)), position) > 0
+      end associate
    end function encloses
 
 end module coulter_points_outline
