@@ -31,6 +31,9 @@ module coulter_step_tile_setup
    !> Strain of a step in flow beyond which ghost penalties do not stiffen any more.
    real(wp), parameter :: ghost_strain = 0.01_wp
 
+   !> Share of the elastic penalty that is left in any case.
+   real(wp), parameter :: ghost_rest = 1.0e-3_wp
+
 contains
 
    !> Find who takes part in a step: cells, nodes, edges that are held, stabilised faces.
@@ -182,7 +185,8 @@ contains
 
    !> Around material that flowed in the last step, penalties take no more than the secant modulus
    !> of its stress, q/(3 strain): else mechanisms that break through the outline of stiff soil
-   !> would find their resistance in them.
+   !> would find their resistance in them. Where there is no shear stress, as at the apex of a
+   !> cone, enough is left to tie nodes together that hang on one corner.
    pure subroutine soften_faces(system, model)
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
@@ -202,8 +206,10 @@ contains
       end do
       do f = 1, system%ghost%n_faces
          secant = minval(modulus([system%ghost%node(:, :, f)]))
-         system%ghost_stiffness(f) = min(system%ghost_stiffness(f), &
-                                         2.0_wp*model%control%ghost_ratio*secant)
+         associate (stiffness => system%ghost_stiffness(f))
+            stiffness = min(stiffness, max(2.0_wp*model%control%ghost_ratio*secant, &
+                                           ghost_rest*stiffness))
+         end associate
       end do
    end subroutine soften_faces
 
