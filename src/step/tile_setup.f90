@@ -32,7 +32,7 @@ module coulter_step_tile_setup
    real(wp), parameter :: ghost_strain = 0.01_wp
 
    !> Share of the elastic penalty that is left in any case.
-   real(wp), parameter :: ghost_rest = 1.0e-3_wp
+   real(wp), parameter :: ghost_rest = 1.0e-4_wp
 
 contains
 
