@@ -2,7 +2,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_penetration
    use coulter_base_kinds, only: wp
-   use coulter_base_polygon, only: contains_point, distance_to_segment
+   use coulter_base_polygon, only: contains_point, distance_to_segment, winding_number
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, flatten, new_face, place_on, place_type
    use coulter_model, only: model_type
@@ -110,24 +110,20 @@ contains
       type(tiling_type), intent(in) :: tiling
       real(wp) :: deepest
       real(wp) :: depth
-      integer :: e, v, winding
+      integer :: e, v
 
       deepest = 0.0_wp
-      do v = 1, size(tool%vertices, 2)
-         winding = 0
-         depth = huge(depth)
-         do e = 1, size(tiling%outer_edge, 2)
-            associate (a => tiling%position(:, tiling%outer_edge(1, e)), &
-                       b => tiling%position(:, tiling%outer_edge(2, e)), x => tool%vertices(:, v))
-               depth = min(depth, distance_to_segment(x, a, b))
-               if ((a(2) > x(2)) .eqv. (b(2) > x(2))) cycle
-               if (x(1) < a(1) + (b(1) - a(1))*(x(2) - a(2))/(b(2) - a(2))) then
-                  winding = winding + merge(1, -1, b(2) > a(2))
-               end if
-            end associate
+      associate (first => tiling%position(:, tiling%outer_edge(1, :)), &
+                 last => tiling%position(:, tiling%outer_edge(2, :)))
+         do v = 1, size(tool%vertices, 2)
+            if (winding_number(first, last, tool%vertices(:, v)) <= 0) cycle
+            depth = huge(depth)
+            do e = 1, size(first, 2)
+               depth = min(depth, distance_to_segment(tool%vertices(:, v), first(:, e), last(:, e)))
+            end do
+            deepest = max(deepest, depth)
          end do
-         if (winding > 0) deepest = max(deepest, depth)
-      end do
+      end associate
    end function depth_of_tips
 
 end module coulter_step_penetration
