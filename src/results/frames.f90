@@ -323,13 +323,14 @@ contains
       end do
    end subroutine put_step
 
-   !> Unit of volumes per unit thickness.
+   !> Unit of volumes per unit thickness; empty where that of lengths is not known.
    pure function square(model) result(unit)
       type(model_type), intent(in) :: model
       character(len=:), allocatable :: unit
 
       unit = ""
-      if (allocated(model%units%length)) unit = model%units%length//"^2"
+      if (.not. allocated(model%units%length)) return
+      if (model%units%length /= "") unit = model%units%length//"^2"
    end function square
 
 end module coulter_results_frames

@@ -186,11 +186,13 @@ def test_warnings_are_kept(tmp_path):
 
 def test_time_of_a_failed_end_is_kept(tmp_path):
     """The plate is pushed through the floor: the second step fails at any size."""
-    text = TILED.replace("-0.1, 1.0 /", "-0.1, -90.0 /") + "&control max_halvings = 1 /\n"
+    text = TILED.replace("-0.1, 1.0 /", "-0.1, -90.0 /") + "&control max_halvings = 1 /\n&output every = 2 /\n"
     deck = make_tiled_deck(tmp_path, text)
     assert run(deck).returncode == 1
     with h5py.File(deck.with_suffix(".vtkhdf")) as file:
         assert file["provenance"].attrs["status"].startswith(b"failed: step 2 of 2")
+        # the last state that was accepted, although no frame was due
+        assert list(file["frames/step"]) == [0, 1]
         names = [name.decode() for name in file["history/phase_names"]]
         seconds = dict(zip(names, file["provenance/last_seconds"], strict=True))
     assert seconds["factorise"] > 0.0
@@ -205,6 +207,27 @@ def test_strain_and_stress_obey_the_law(tmp_path):
     expected = 2.0 * shear * strain
     expected[:, :3] += lame * strain[:, :3].sum(axis=1, keepdims=True)
     np.testing.assert_allclose(stress * ratio[:, None], expected, atol=1e-9 * abs(expected).max())
+
+
+def test_stress_belongs_to_the_shared_volume(tmp_path):
+    """With F-bar J is that of the cell, whose logarithm is the trace of the elastic strain."""
+    text = TILED.replace("density = 0.0", "density = 0.0, points_per_cell = 2")
+    text = text.replace("-0.1, 1.0 /", "-0.5, -1.0 /") + "&control volumetric = 'fbar' /\n"
+    with h5py.File(results_of(make_tiled_deck(tmp_path, text))) as file:
+        names = ("stress", "strain", "volume_ratio")
+        stress, strain, ratio = (read_frame(file, f"PointData/{name}", 2) for name in names)
+    trace = strain[:, :3].sum(axis=1, keepdims=True)
+    assert np.abs(np.exp(trace[:, 0]) - ratio).max() > 1e-3
+    expected = 2.0 * 1000.0 / 2.6 * strain
+    expected[:, :3] += 1000.0 * 0.3 / (1.3 * 0.4) * trace
+    np.testing.assert_allclose(stress * np.exp(trace), expected, atol=1e-9 * abs(expected).max())
+
+
+def test_last_step_is_kept_with_its_stations(tmp_path):
+    text = TILED.replace("-0.1, 1.0 /", "-0.1, -0.2 /") + "&output every = 9 /\n"
+    with h5py.File(results_of(make_tiled_deck(tmp_path, text))) as file:
+        assert list(file["frames/step"]) == [0, 2]
+        assert file["stations/n_rows"][1] > 0
 
 
 def test_file_describes_itself(tmp_path):
@@ -225,6 +248,17 @@ def test_file_describes_itself(tmp_path):
             else undescribed.append(name)
         )
         assert not undescribed
+
+
+def test_units_are_those_of_the_deck(tmp_path):
+    names = ("VTKHDF/Points", "VTKHDF/PointData/volume", "VTKHDF/PointData/stress")
+    for units, expected in {
+        ", length_unit = 'm', stress_unit = 'kPa'": [b"m", b"m^2", b"kPa"],
+        "": [b"", b"", b""],
+    }.items():
+        text = TILED.replace('"Bevelled block"', '"Bevelled block"' + units)
+        with h5py.File(results_of(make_tiled_deck(tmp_path, text))) as file:
+            assert [file[name].attrs["unit"] for name in names] == expected
 
 
 def test_history_has_a_row_per_step(tmp_path):
