@@ -287,8 +287,8 @@ def test_chosen_steps_become_frames(tmp_path, output, steps):
 
 
 def test_parts_of_halved_steps_are_rows(tmp_path):
-    """Four iterations are not enough for the whole way, but for parts of it."""
-    text = TILED.replace("-0.1, 1.0 /", "-5.0, -5.0 /") + "&control max_iterations = 4 /\n"
+    """Three iterations are not enough for the whole way, but for parts of it."""
+    text = TILED.replace("-0.1, 1.0 /", "-3.0, -3.0 /") + "&control max_iterations = 3 /\n"
     names = ("step", "is_complete", "n_halvings")
     with h5py.File(results_of(make_tiled_deck(tmp_path, text))) as file:
         history = {name: file[f"history/{name}"][:] for name in names}
