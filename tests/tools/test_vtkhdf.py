@@ -296,7 +296,6 @@ def test_parts_of_halved_steps_are_rows(tmp_path):
     parts = history["step"] == 1
     assert parts.sum() > 1 and history["n_halvings"][parts].max() > 0
     assert list(history["is_complete"][parts]) == [0] * (parts.sum() - 1) + [1]
-    assert history["n_halvings"][-1] == 0
 
 
 def test_boundaries_move_with_their_displacement(tmp_path):
