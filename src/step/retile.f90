@@ -13,6 +13,8 @@ module coulter_step_retile
    use coulter_model_observer, only: add_warning, step_report_type
    use coulter_points, only: points_type
    use coulter_points_folds, only: fold_type
+   use coulter_points_interfaces, only: edges_of_body, find_interfaces, interfaces_type, &
+      is_on_interface, is_torn, keep_ends
    use coulter_points_outline, only: outline_type, trace_outline
    use coulter_points_parts, only: find_parts, part_type
    use coulter_points_retiling, only: tile_outline
@@ -37,6 +39,8 @@ module coulter_step_retile
    real(wp), parameter :: corner_tolerance = 1.0e-7_wp
    !> Corners of the outline this near to a face stay where they are, over the spacing.
    real(wp), parameter :: touching = 0.02_wp
+   !> Corners this near to an interface of bonded bodies belong to it, over the spacing.
+   real(wp), parameter :: bonded = 0.05_wp
    !> Way of tools after which flowing bodies are tiled anew, over the spacing.
    real(wp), parameter :: longest_way = 0.4_wp
    !> Largest shift of free corners that restores the area, over the spacing.
@@ -110,8 +114,8 @@ contains
       if (answer) answer = any(model%points%has_flowed)
    end function is_flowing
 
-   !> Tile all bodies anew. Nothing changes when that cannot be done: two bodies share corners, or a
-   !> new tile has no area or a state that its law refuses.
+   !> Tile all bodies anew. Nothing changes when that cannot be done: two bodies that share corners
+   !> would do so no more, or a new tile has no area or a state that its law refuses.
    subroutine retile_model(model, system, has_failed)
       !> Scene between two steps.
       type(model_type), intent(inout) :: model
@@ -125,8 +129,6 @@ contains
       type(loaded_edge_type), allocatable :: loaded(:)
       integer, allocatable :: owner(:)
 
-      has_failed = any(sharing_bodies(model) > 0)
-      if (has_failed) return
       call make_tiles(model, tiling, owner, has_failed)
       if (has_failed) return
       call transfer_points(points, tiling, owner, model%points, model%tiling, &
@@ -198,59 +200,45 @@ contains
       integer, allocatable, intent(out) :: owner(:)
       logical, intent(out) :: has_failed
       type(outline_type) :: outline
+      type(interfaces_type) :: interfaces
       real(wp), allocatable :: vertices(:, :, :), all_vertices(:, :, :)
       real(wp) :: edge(2), gradient(2, 4), area
       integer :: b, p
 
+      call find_interfaces(interfaces, model%tiling, model%points%body)
       allocate (owner(0), all_vertices(2, 4, 0))
       do b = 1, size(model%bodies)
          edge = model%grid%spacing/real(model%bodies(b)%points_per_cell, wp)
-         call trace_outline(outline, model%tiling%position, edges_of(model, b), &
+         call trace_outline(outline, model%tiling%position, edges_of_body(interfaces, b), &
                             smallest_loop*product(edge))
+         call keep_ends(outline, interfaces)
          call join_surfaces(outline, model, smallest_loop*product(edge))
          call trim_outline(outline, model%boundaries, model%grid%smallest_spacing())
          call tile_outline(outline, model%grid%origin, edge, vertices)
-         call settle_corners(vertices, model, b)
+         call settle_corners(vertices, model, b, interfaces)
          all_vertices = reshape([all_vertices, vertices], [2, 4, size(owner) + size(vertices, 3)])
          owner = [owner, spread(b, 1, size(vertices, 3))]
       end do
       call new_tiling(tiling, all_vertices, corner_tolerance*model%grid%smallest_spacing())
-      has_failed = size(owner) == 0
+      has_failed = size(owner) == 0 &
+         .or. is_torn(interfaces, tiling, bonded*model%grid%smallest_spacing())
       do p = 1, size(owner)
          call corner_gradients(tiling%position(:, tiling%corner(:, p)), gradient, area)
          has_failed = has_failed .or. .not. area > 0.0_wp
       end do
    end subroutine make_tiles
 
-   !> Outer edges of a body: first and last corner.
-   pure function edges_of(model, body) result(edges)
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: body
-      integer, allocatable :: edges(:, :)
-      integer :: e, n
-
-      allocate (edges(2, size(model%tiling%outer_edge, 2)))
-      n = 0
-      do e = 1, size(edges, 2)
-         associate (edge => model%tiling%outer_edge(:, e))
-            if (model%points%body(edge(3)) /= body) cycle
-            n = n + 1
-            edges(:, n) = edge(:2)
-         end associate
-      end do
-      edges = edges(:, :n)
-   end function edges_of
-
    !> Push corners out of tools, and shift free ones: new tiles of a body get the area of its old
    !> ones.
-   pure subroutine settle_corners(vertices, model, body)
+   pure subroutine settle_corners(vertices, model, body, interfaces)
       real(wp), intent(inout) :: vertices(:, :, :)
       type(model_type), intent(in) :: model
       integer, intent(in) :: body
+      type(interfaces_type), intent(in) :: interfaces
       type(tiling_type) :: tiling
       logical, allocatable :: is_free(:)
       real(wp) :: h, area, total, gradient(2, 4)
-      integer :: p
+      integer :: c, p
 
       h = model%grid%smallest_spacing()
       total = 0.0_wp
@@ -264,6 +252,10 @@ contains
       call push_corners_out(tiling, model%boundaries, h)
       allocate (is_free(tiling%n_corners))
       call find_free_corners(is_free, tiling, model)
+      do c = 1, tiling%n_corners
+         if (is_free(c)) is_free(c) = .not. is_on_interface(interfaces, tiling%position(:, c), &
+                                                            bonded*h)
+      end do
       call restore_area(tiling, is_free, total, farthest_shift*h)
       do p = 1, size(vertices, 3)
          vertices(:, :, p) = tiling%position(:, tiling%corner(:, p))
