@@ -84,6 +84,11 @@ contains
                           //" cells in this step while material flows: forces are worth less" &
                           //" than with steps of a fifth of a cell")
       end if
+      if (are_due .and. .not. (report%has_retiled .or. are_distorted) &
+          .and. model%control%may_retile) then
+         call add_warning(report%warnings, "new tiles are due where material flows: " &
+                          //outcome_of(model, .false.))
+      end if
       if (.not. are_distorted) return
       call add_warning(report%warnings, "tiles were distorted (worst corner " &
                        //to_text(report%worst_corner, 2)//", worst aspect " &
