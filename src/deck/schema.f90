@@ -64,8 +64,8 @@ module coulter_deck_schema
       group_rule_type("body", "1 or more", "A solid of one law, to be filled with points."), &
       group_rule_type("stress_profile", "any number", &
                       "Stress of a body before the first step, by elevation."), &
-      group_rule_type("region", "1 or more", "What a body fills: one rectangle or polygon each." &
-                      //" With cpdi2, bodies whose regions touch are bonded there."), &
+      group_rule_type("region", "1 or more", "What a body fills: one rectangle or polygon" &
+                      //" each. With cpdi2, bodies that touch are bonded."), &
       group_rule_type("fixity", "any number", "Zero displacement at grid nodes."), &
       group_rule_type("boundary", "any number", &
                       "An implicit boundary: a polyline that need not match the grid."), &

@@ -137,8 +137,8 @@ contains
 
       do k = 1, size(interfaces%branch, 2)
          do c = 1, outline%n
-            if (all(abs(outline%corner(:, c) - interfaces%branch(:, k)) <= 0.0_wp)) &
-               outline%is_feature(c) = .true.
+            outline%is_feature(c) = outline%is_feature(c) &
+               .or. all(abs(outline%corner(:, c) - interfaces%branch(:, k)) <= 0.0_wp)
          end do
       end do
    end subroutine keep_ends
