@@ -32,6 +32,29 @@ module coulter_law_plastic
       procedure(project_interface), deferred :: project
    end type plastic_law_type
 
+   !> What is given at a point: trial strains, h at the start of the step, strength before plastic
+   !> strain, stress units, and length of the step.
+   type :: given_type
+      real(wp) :: trial(3), start, strength, time_step
+   end type given_type
+
+   !> A value of h and what belongs to it.
+   type :: guess_type
+      !> Accumulated plastic strain.
+      real(wp) :: h = 0.0_wp
+      !> The return to the yield surface; nothing where the trial state is elastic.
+      type(return_type) :: found
+      logical :: is_elastic = .true.
+      !> Growth of h in the step by this return, and its derivatives by h and by trial strain.
+      real(wp) :: growth = 0.0_wp, slope = 0.0_wp, by_trial(3) = 0.0_wp
+   end type guess_type
+
+   !> Bounds of h; the upper one is only a guess until something lies beyond it.
+   type :: bounds_type
+      real(wp) :: low, high
+      logical :: has_high
+   end type bounds_type
+
    !> Trials for h, and the share of the trial strain to which it is found.
    integer, parameter :: most_trials = 200
    real(wp), parameter :: tightness = 4.0e-15_wp, round_off = 1.0e-13_wp
@@ -99,32 +122,27 @@ contains
       type(principal_response_type), intent(out) :: response
       !> State variables at the end of the step.
       real(wp), intent(out) :: new_state(self%n_state)
-      type(return_type) :: found
-      real(wp) :: strength
-      logical :: is_elastic
+      type(given_type) :: given
+      type(guess_type) :: guess
 
       new_state = state
       response%has_failed = .not. all(abs(trial) <= huge(trial))
       if (response%has_failed) return
-      strength = self%strength%reference
-      if (self%n_state > 1) strength = state(2)
-      call self%project(trial, strength, self%strength%factors(state(1), 0.0_wp, 0.0_wp), found, &
-                        is_elastic)
-      if (is_elastic) then
-         call respond_elastically(self, trial, response)
-         return
-      end if
-      call harden(self, visit, trial, state(1), strength, found, new_state(1), is_elastic, &
-                  response%has_failed)
+      given = given_type(trial, state(1), self%strength%reference, visit%time_step)
+      if (self%n_state > 1) given%strength = state(2)
+      call return_at(self, given, given%start, guess)
+      if (.not. guess%is_elastic) call harden(self, given, guess, response%has_failed)
       if (response%has_failed) return
-      if (is_elastic) then
-         ! by round-off: it hardens as fast as it would yield
+      ! after hardening by round-off: it hardens as fast as it would yield
+      if (guess%is_elastic) then
          call respond_elastically(self, trial, response)
          return
       end if
-      response%stress = found%stress
-      response%tangent = found%tangent
-      response%strain = trial - found%plastic
+      new_state(1) = guess%h
+      response%stress = guess%found%stress
+      response%strain = trial - guess%found%plastic
+      response%tangent = guess%found%tangent &
+         + spread(guess%found%slope, 2, 3)*spread(guess%by_trial, 1, 3)/(1.0_wp - guess%slope)
    end subroutine update_plastic
 
    !> Hencky's law in principal axes.
@@ -143,77 +161,88 @@ contains
       response%strain = trial
    end subroutine respond_elastically
 
-   !> Find h = start + growth(h), where the return `found` belongs to h; and complete the tangent.
-   pure subroutine harden(self, visit, trial, start, strength, found, h, is_elastic, has_failed)
+   !> Find h = start + growth(h), where the return of the guess belongs to h: Newton's method between
+   !> bounds.
+   pure subroutine harden(self, given, guess, has_failed)
       class(plastic_law_type), intent(in) :: self
-      type(law_visit_type), intent(in) :: visit
-      real(wp), intent(in) :: trial(3), start, strength
-      type(return_type), intent(inout) :: found
-      real(wp), intent(out) :: h
-      logical, intent(out) :: is_elastic, has_failed
-      real(wp) :: low, high, excess, growth, slope, by_trial(3), next
+      type(given_type), intent(in) :: given
+      !> The return at the start; becomes that at the end.
+      type(guess_type), intent(inout) :: guess
+      logical, intent(out) :: has_failed
+      type(bounds_type) :: bounds
+      real(wp) :: excess, h, next
       integer :: k
-      logical :: has_bound
 
       has_failed = .false.
-      is_elastic = .false.
-      h = start
-      call measure(found, self%elastic%shear_modulus, growth, by_trial, slope)
       if (self%strength%is_constant) then
-         h = start + growth
+         guess%h = given%start + guess%growth
+         guess%slope = 0.0_wp
          return
       end if
-      low = start
-      high = start + 2.0_wp*growth
-      has_bound = .false.
-      h = start + growth/max(1.0_wp - slope, 0.5_wp)
+      bounds = bounds_type(given%start, given%start + 2.0_wp*guess%growth, .false.)
+      h = given%start + guess%growth/max(1.0_wp - guess%slope, 0.5_wp)
       do k = 1, most_trials
-         call self%project(trial, strength, self%strength%factors(h, h - start, visit%time_step), &
-                           found, is_elastic)
-         growth = 0.0_wp
-         slope = 0.0_wp
-         if (.not. is_elastic) then
-            call measure(found, self%elastic%shear_modulus, growth, by_trial, slope)
-         end if
-         excess = start + growth - h
-         if (abs(excess) <= tightness*max(maxval(abs(trial)), h)) exit
-         if (excess > 0.0_wp) then
-            low = h
-            if (.not. has_bound .and. h >= high) high = start + 2.0_wp*(h - start)
-         else
-            high = h
-            has_bound = .true.
-         end if
-         next = h + excess/(1.0_wp - slope)
-         if (.not. (slope < 1.0_wp .and. next > low .and. next < high) .or. mod(k, 8) == 0) then
-            next = merge(0.5_wp*(low + high), high, has_bound)
+         call return_at(self, given, h, guess)
+         excess = given%start + guess%growth - h
+         if (abs(excess) <= tightness*max(maxval(abs(given%trial)), h)) exit
+         call narrow(bounds, given%start, h, excess)
+         next = h + excess/(1.0_wp - guess%slope)
+         if (.not. (guess%slope < 1.0_wp .and. next > bounds%low .and. next < bounds%high) &
+             .or. mod(k, 8) == 0) then
+            next = merge(0.5_wp*(bounds%low + bounds%high), bounds%high, bounds%has_high)
          end if
          if (.not. abs(next - h) > 0.0_wp) exit
          h = next
       end do
-      has_failed = k > most_trials .or. .not. slope < 1.0_wp
-      if (has_failed .or. is_elastic) return
-      found%tangent = found%tangent &
-         + spread(found%slope, 2, 3)*spread(by_trial, 1, 3)/(1.0_wp - slope)
+      has_failed = k > most_trials .or. .not. guess%slope < 1.0_wp
    end subroutine harden
+
+   !> The return to the yield surface that belongs to a value of h.
+   pure subroutine return_at(self, given, h, guess)
+      class(plastic_law_type), intent(in) :: self
+      type(given_type), intent(in) :: given
+      real(wp), intent(in) :: h
+      type(guess_type), intent(out) :: guess
+
+      guess%h = h
+      call self%project(given%trial, given%strength, &
+                        self%strength%factors(h, h - given%start, given%time_step), guess%found, &
+                        guess%is_elastic)
+      if (.not. guess%is_elastic) call measure(guess, self%elastic%shear_modulus)
+   end subroutine return_at
+
+   !> Take in a value of h and by how much more it would grow; as long as nothing bounds h from
+   !> above, look farther away.
+   pure subroutine narrow(bounds, start, h, excess)
+      type(bounds_type), intent(inout) :: bounds
+      real(wp), intent(in) :: start, h, excess
+
+      if (excess > 0.0_wp) then
+         bounds%low = h
+         if (.not. bounds%has_high .and. h >= bounds%high) bounds%high = start + 2.0_wp*(h - start)
+      else
+         bounds%high = h
+         bounds%has_high = .true.
+      end if
+   end subroutine narrow
 
    !> Growth of the accumulated plastic strain, and its derivatives by trial strain and h. The
    !> deviator of the plastic strain is that of trial - stress/(2 G).
-   pure subroutine measure(found, shear_modulus, growth, by_trial, slope)
-      type(return_type), intent(in) :: found
+   pure subroutine measure(guess, shear_modulus)
+      type(guess_type), intent(inout) :: guess
       real(wp), intent(in) :: shear_modulus
-      real(wp), intent(out) :: growth, by_trial(3), slope
       real(wp) :: direction(3)
 
-      direction = found%plastic - sum(found%plastic)/3.0_wp
-      growth = sqrt(2.0_wp/3.0_wp*sum(direction**2))
-      by_trial = 0.0_wp
-      slope = 0.0_wp
-      ! a deviator of round-off has no direction
-      if (growth <= round_off*maxval(abs(found%plastic) + abs(found%stress)/shear_modulus)) return
-      direction = 2.0_wp/3.0_wp*direction/growth
-      by_trial = direction - matmul(direction, found%tangent)/(2.0_wp*shear_modulus)
-      slope = -dot_product(direction, found%slope)/(2.0_wp*shear_modulus)
+      associate (found => guess%found)
+         direction = found%plastic - sum(found%plastic)/3.0_wp
+         guess%growth = sqrt(2.0_wp/3.0_wp*sum(direction**2))
+         ! a deviator of round-off has no direction
+         if (guess%growth <= round_off*maxval(abs(found%plastic) &
+                                              + abs(found%stress)/shear_modulus)) return
+         direction = 2.0_wp/3.0_wp*direction/guess%growth
+         guess%by_trial = direction - matmul(direction, found%tangent)/(2.0_wp*shear_modulus)
+         guess%slope = -dot_product(direction, found%slope)/(2.0_wp*shear_modulus)
+      end associate
    end subroutine measure
 
    !> See `law_type`.
