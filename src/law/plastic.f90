@@ -161,7 +161,7 @@ contains
       response%strain = trial
    end subroutine respond_elastically
 
-   !> Find h = start + growth(h), where the return of the guess belongs to h: Newton's method between
+   !> Find h = start + growth(h), to which the return of the guess belongs: Newton's method between
    !> bounds.
    pure subroutine harden(self, given, guess, has_failed)
       class(plastic_law_type), intent(in) :: self
@@ -219,7 +219,8 @@ contains
 
       if (excess > 0.0_wp) then
          bounds%low = h
-         if (.not. bounds%has_high .and. h >= bounds%high) bounds%high = start + 2.0_wp*(h - start)
+         if (bounds%has_high .or. h < bounds%high) return
+         bounds%high = start + 2.0_wp*(h - start)
       else
          bounds%high = h
          bounds%has_high = .true.
