@@ -27,13 +27,15 @@ contains
    !> Check what only the whole scene can tell, and fill the bodies with points. All faults are
    !> collected; the model can run when there are none.
    subroutine prepare_model(model, faults)
-      !> Scene whose parts are valid by themselves; gets its points.
+      !> Scene whose parts are valid by themselves; gets its points. What it does without need not
+      !> be allocated.
       type(model_type), intent(inout) :: model
       !> Faults found; regions are counted over all bodies in order.
       type(fault_list_type), intent(inout) :: faults
       integer :: known_faults
 
       known_faults = faults%n_faults
+      call allocate_missing(model)
       call check_scene(model, faults)
       if (faults%n_faults > known_faults) return
       call activate(model, 1)
@@ -46,6 +48,16 @@ contains
          call faults%add("body_force", 0, "", "a field of acceleration needs tiled domains")
       end if
    end subroutine prepare_model
+
+   !> Empty lists of what the scene does without.
+   pure subroutine allocate_missing(model)
+      type(model_type), intent(inout) :: model
+
+      if (.not. allocated(model%fixities)) allocate (model%fixities(0))
+      if (.not. allocated(model%boundaries)) allocate (model%boundaries(0))
+      if (.not. allocated(model%edge_loads)) allocate (model%edge_loads(0))
+      if (.not. allocated(model%tables)) allocate (model%tables(0))
+   end subroutine allocate_missing
 
    !> Points of all bodies with their initial stress.
    subroutine seed_model(model)

@@ -188,11 +188,12 @@ contains
       type(fault_list_type), intent(inout) :: faults
       real(wp), allocatable :: outline(:, :)
       real(wp) :: shared
-      integer :: r
+      integer :: r, s
 
       associate (tool => model%boundaries(b))
          if (.not. tool%is_solid .or. tool%first_phase > 1) return
-         call flatten(tool%vertices, tool%bulges, flatness*model%grid%smallest_spacing(), outline)
+         call flatten(tool%vertices, [(tool%bulge(s), s=1, size(tool%vertices, 2) - 1)], &
+                      flatness*model%grid%smallest_spacing(), outline)
       end associate
       shared = 0.0_wp
       do r = 1, size(regions)

@@ -1,5 +1,7 @@
 """The installed library as others meet it: a program of their own (tests/host) that finds it by CMake
-or by pkg-config, in a place to which the installation was moved, with a user material."""
+or by pkg-config, in a place to which the installation was moved, with a user material; a law of its
+own."""
+import math
 import os
 import shutil
 import subprocess
@@ -61,6 +63,19 @@ def test_cmake_finds_the_library(prefix, deck, tmp_path):
     run("cmake", "-S", SOURCE / "tests/host", "-B", tmp_path, f"-DCMAKE_PREFIX_PATH={prefix}")
     run("cmake", "--build", tmp_path)
     check_forces(run(tmp_path / "host", deck, cwd=tmp_path), deck)
+    check_column(run(tmp_path / "own_law"))
+
+
+def check_column(printed):
+    """Tiles between smooth walls, 1 wide, 0.9 high: nothing but a vertical strain, ln of the stretch,
+    and the lid bears tau_yy / J. K = 100, G = 60, b = 8."""
+    forces = [float(line.split()[2]) for line in printed.splitlines()[1:]]
+    expected = []
+    for stretch in (0.75 / 0.9, 0.6 / 0.9):
+        strain = math.log(stretch)
+        stress = 100.0 * (1.0 + 8.0 * strain**2) * strain + 2.0 * 60.0 * 2.0 / 3.0 * strain
+        expected.append(stress / stretch)
+    assert forces == pytest.approx(expected, rel=1e-7)
 
 
 def test_pkg_config_finds_the_library(prefix, deck, tmp_path):
@@ -71,7 +86,8 @@ def test_pkg_config_finds_the_library(prefix, deck, tmp_path):
     flags = run("pkg-config", "--static", "--cflags", "--libs", "coulter",
                 env={**os.environ, "PKG_CONFIG_PATH": path}).split()
     # -rdynamic: user materials call utilities of the program
-    run(os.environ.get("FC", "gfortran"), "-rdynamic", SOURCE / "tests/host/host.f90", *flags,
+    run(os.environ.get("FC", "gfortran"), "-rdynamic", SOURCE / "tests/host/observer.f90",
+        SOURCE / "tests/host/host.f90", *flags,
         "-o", "host", cwd=tmp_path)
     check_forces(run(tmp_path / "host", deck, cwd=tmp_path), deck)
 
