@@ -5,7 +5,7 @@ program main
    use coulter_base_error, only: error_type, fatal_error
    use coulter_base_faults, only: fault_list_type
    use coulter_base_process, only: blas_name, tune_process
-   use coulter_base_terminal, only: is_terminal
+   use coulter_base_terminal, only: is_terminal, stdout_descriptor
    use coulter_command_line, only: command_type, read_command, task_check, task_deck_reference, &
       task_help, task_point, task_version, write_usage
    use coulter_deck, only: deck_type, describe_faults, read_deck, read_test_plan, &
@@ -25,8 +25,6 @@ program main
    use coulter_step_run, only: describe_scene, run_model
    use coulter_version, only: build_type, compiler, compiler_flags, git_revision, version
    implicit none(type, external)
-   !> POSIX descriptor of the standard output.
-   integer, parameter :: standard_output = 1
    type(command_type) :: command
 
    call tune_process()
@@ -120,7 +118,7 @@ contains
       call new_tool_table(table, command%directory, output%name)
       call observers%add(table)
       if (.not. command%is_quiet) then
-         call new_run_log(log, output_unit, is_terminal(standard_output))
+         call new_run_log(log, output_unit, is_terminal(stdout_descriptor))
          call observers%add(log)
       end if
       call run_model(model, observers, error)

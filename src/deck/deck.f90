@@ -9,7 +9,7 @@ module coulter_deck
    use coulter_base_error, only: error_type, fatal_error
    use coulter_deck_bodies, only: read_bodies
    use coulter_deck_boundaries, only: read_boundaries, read_fixities
-   use coulter_deck_document, only: deck_type, describe_faults, find_groups
+   use coulter_deck_document, only: deck_type, describe_faults, first_group
    use coulter_deck_file, only: read_text
    use coulter_deck_laws, only: read_laws
    use coulter_deck_loads, only: read_body_force, read_edge_loads, read_tables
@@ -71,7 +71,7 @@ contains
       if (size(deck%groups) == 0 .and. deck%faults%n_faults == 0) then
          call fatal_error(error, path//": holds no groups")
          return
-      else if (has_group("sample") .and. .not. has_group("grid")) then
+      else if (first_group(deck, "sample") > 0 .and. first_group(deck, "grid") == 0) then
          call fatal_error(error, path//": holds samples and no scene; run it with `coulter point`")
          return
       end if
@@ -93,19 +93,6 @@ contains
       call read_output(deck, size(model%schedule%end_time), output)
 
       if (deck%faults%n_faults > 0) call fatal_error(error, describe_faults(deck, deck%faults))
-
-   contains
-
-      !> Does the deck hold such a group?
-      function has_group(name) result(answer)
-         character(len=*), intent(in) :: name
-         logical :: answer
-         integer, allocatable :: groups(:)
-
-         call find_groups(deck, name, groups)
-         answer = size(groups) > 0
-      end function has_group
-
    end subroutine parse_deck
 
    !> Read the tests on samples that a deck file holds; the scene that may stand beside them is left

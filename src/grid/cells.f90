@@ -4,6 +4,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_grid_cells
    use coulter_base_kinds, only: wp
+   use coulter_base_sorting, only: sort_by_number
    use coulter_grid, only: cell_nodes_2d, grid_type
    use coulter_grid_box, only: box_reach
    implicit none(type, external)
@@ -166,31 +167,17 @@ contains
       end do
    end subroutine number_cells
 
-   !> Counting sort of the points by cell.
+   !> Collect the points of every cell.
    pure subroutine sort_points(cells, index)
       type(cells_type), intent(inout) :: cells
       integer, intent(in) :: index(:, :)
-      integer :: p, c
+      integer :: cell(size(index, 2)), p
 
-      allocate (cells%point_start(cells%n_cells + 1), source=0)
-      do p = 1, size(index, 2)
-         c = cells%cell_at(index(1, p), index(2, p))
-         cells%point_start(c) = cells%point_start(c) + 1
+      do p = 1, size(cell)
+         cell(p) = cells%cell_at(index(1, p), index(2, p))
       end do
-      cells%point_start(cells%n_cells + 1) = size(index, 2) + 1
-      do c = cells%n_cells, 1, -1
-         cells%point_start(c) = cells%point_start(c + 1) - cells%point_start(c)
-      end do
-      allocate (cells%point(size(index, 2)))
-      do p = 1, size(index, 2)
-         c = cells%cell_at(index(1, p), index(2, p))
-         cells%point(cells%point_start(c)) = p
-         cells%point_start(c) = cells%point_start(c) + 1
-      end do
-      do c = cells%n_cells, 1, -1
-         cells%point_start(c + 1) = cells%point_start(c)
-      end do
-      cells%point_start(1) = 1
+      allocate (cells%point_start(cells%n_cells + 1), cells%point(size(cell)))
+      call sort_by_number(cell, cells%point_start, cells%point)
    end subroutine sort_points
 
    !> Number of the active cell with a grid index, or 0.

@@ -8,6 +8,7 @@
 module coulter_step_tile_stars
    use coulter_algebra_sparse, only: add_blocks, element_dofs_type, pattern_type
    use coulter_base_kinds, only: long, wp
+   use coulter_base_sorting, only: sort_by_number
    use coulter_step_dofs, only: dofs_type
    use coulter_step_tile_map, only: tile_map_type
    use coulter_step_unknowns, only: coupling_type, couple_vertices, max_pairs_of_vertex, &
@@ -134,28 +135,6 @@ contains
       call sort_by_number(reshape(corner, [size(corner)]), start, place)
       tile = (place + 3)/4
    end subroutine list_tiles
-
-   !> Counting sort: places of all numbers, in ragged rows.
-   pure subroutine sort_by_number(number, start, place)
-      !> Numbers from 1.
-      integer, intent(in) :: number(:)
-      !> First place of every number, shape (largest number + 1), and the places.
-      integer, intent(out) :: start(:), place(:)
-      integer :: k
-
-      start = 0
-      do k = 1, size(number)
-         start(number(k)) = start(number(k)) + 1
-      end do
-      start(1) = start(1) + 1
-      do k = 2, size(start)
-         start(k) = start(k) + start(k - 1)
-      end do
-      do k = size(number), 1, -1
-         start(number(k)) = start(number(k)) - 1
-         place(start(number(k))) = k
-      end do
-   end subroutine sort_by_number
 
    !> Unknowns of all corners and stars.
    subroutine couple_stars(stars, map, dofs)
