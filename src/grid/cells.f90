@@ -9,8 +9,8 @@ module coulter_grid_cells
    use coulter_grid_box, only: box_reach
    implicit none(type, external)
    private
-   public :: cells_type, activate_cells, find_cells, locate_boxes, locate_points, number_cells, &
-      number_nodes
+   public :: cells_type, activate_cells, bridge_corners, find_cells, locate_boxes, locate_points, &
+      number_cells, number_nodes
 
    !> Active cells and nodes, numbered row by row.
    type :: cells_type
@@ -213,6 +213,26 @@ contains
       self%cell_at(index(1), index(2)) = self%n_cells
       number = self%n_cells
    end subroutine append_cell
+
+   !> Where two active cells meet at a corner only, make the other two cells at it active as well: no
+   !> face would hold their nodes together.
+   pure subroutine bridge_corners(cells)
+      !> Active cells, not numbered row by row any more.
+      type(cells_type), intent(inout) :: cells
+      integer :: c, side, n, added
+      integer :: at(2)
+
+      n = cells%n_cells
+      do c = 1, n
+         at = cells%cell_index(:, c)
+         do side = -1, 1, 2
+            if (cells%number_at(at + [side, 1]) == 0) cycle
+            if (cells%number_at(at + [side, 0]) + cells%number_at(at + [0, 1]) > 0) cycle
+            call cells%append_cell(at + [side, 0], added)
+            call cells%append_cell(at + [0, 1], added)
+         end do
+      end do
+   end subroutine bridge_corners
 
    !> Number the nodes of all active cells, row by row.
    pure subroutine number_nodes(cells)

@@ -3,7 +3,7 @@
 module coulter_step_tile_map
    use coulter_base_kinds, only: wp
    use coulter_grid, only: grid_type
-   use coulter_grid_cells, only: cells_type, find_cells, number_cells, number_nodes
+   use coulter_grid_cells, only: bridge_corners, cells_type, find_cells, number_cells, number_nodes
    use coulter_grid_shape, only: shape_values_2d
    use coulter_points_tiling, only: corner_gradients, tiling_type, values_at
    implicit none(type, external)
@@ -70,6 +70,7 @@ contains
       call find_cells(grid, samples, index(:, n + 1:), first_outside)
       if (first_outside > 0) return
       call number_cells(cells, grid, index)
+      call bridge_corners(cells)
       call number_nodes(cells)
       call measure_tiles(map, tiling)
       call measure_fill(map, cells, grid, tiling, is_straddling, index)
