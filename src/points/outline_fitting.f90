@@ -11,7 +11,7 @@ module coulter_points_outline_fitting
    use coulter_points_welding, only: weld
    implicit none(type, external)
    private
-   public :: follow_outline
+   public :: follow_outline, runs_along
 
    !> Corners of the outline farther than this from a chord are kept, over the spacing.
    real(wp), parameter :: tolerance = 0.05_wp
@@ -19,6 +19,8 @@ module coulter_points_outline_fitting
    real(wp), parameter :: merging = 0.2_wp
    !> The outline between both ends of an edge is at most this long, over the spacing.
    real(wp), parameter :: longest_path = 3.0_wp
+   !> An outline that is longer than this times its chord, a semicircle, turns back.
+   real(wp), parameter :: most_bent = 1.6_wp
    !> Places this near to the outline lie on it, over the spacing.
    real(wp), parameter :: round_off = 1.0e-6_wp
 
@@ -162,6 +164,31 @@ contains
          list(n) = c
       end do
    end subroutine collect
+
+   !> Does the outline run, in its own sense and without turning back, from one place to another?
+   pure function runs_along(outline, from, to) result(answer)
+      !> The outline.
+      type(outline_type), intent(in) :: outline
+      !> Both places, length units.
+      real(wp), intent(in) :: from(2), to(2)
+      logical :: answer
+      integer, allocatable :: between(:)
+      real(wp), allocatable :: path(:, :)
+      real(wp) :: chord
+      integer :: start, n
+
+      answer = .false.
+      chord = norm2(to - from)
+      do start = 1, outline%n
+         if (.not. is_on(outline, start, from, round_off*chord)) cycle
+         call collect(outline, start, from, to, chord, between)
+         if (.not. allocated(between)) cycle
+         n = size(between)
+         path = reshape([from, outline%corner(:, between), to], [2, n + 2])
+         answer = sum(norm2(path(:, 2:) - path(:, :n + 1), dim=1)) <= most_bent*chord
+         return
+      end do
+   end function runs_along
 
    !> Does a place lie on the edge that starts at a corner of the outline?
    pure function is_on(outline, c, place, slack) result(answer)

@@ -8,7 +8,7 @@ module coulter_points_retiling
    use coulter_base_polygon, only: area_and_centroid, polygon_type
    use coulter_points_domains, only: add_domain, cut_domains, domain_list_type, weld_domains
    use coulter_points_outline, only: encloses, outline_type, sharp_corners
-   use coulter_points_outline_fitting, only: follow_outline
+   use coulter_points_outline_fitting, only: follow_outline, runs_along
    implicit none(type, external)
    private
    public :: tile_outline
@@ -265,17 +265,16 @@ contains
       real(wp), intent(in) :: cell_area
       type(domain_list_type), intent(inout) :: domains
       type(polygon_type) :: polygon
-      logical :: is_on_outline(8)
+      logical :: is_on_outline(8), has_inside
       real(wp) :: area, centroid(2)
 
+      has_inside = any(lattice%state(cell(1):cell(1) + 1, cell(2):cell(2) + 1) > 0)
       call walk_cell(lattice, cell, polygon, is_on_outline)
-      call cut_off_gaps(polygon, is_on_outline, outline)
+      call cut_off_gaps(polygon, is_on_outline, outline, has_inside)
       if (polygon%n < 3) return
       call area_and_centroid(polygon%corner(:, :polygon%n), area, centroid)
       if (area < smallest_share*cell_area) return
-      associate (state => lattice%state(cell(1):cell(1) + 1, cell(2):cell(2) + 1))
-         if (all(state <= 0) .and. .not. encloses(outline, centroid)) return
-      end associate
+      if (.not. (has_inside .or. encloses(outline, centroid))) return
       call add_domain(domains, polygon%corner(:, :polygon%n), 1)
    end subroutine add_cell
 
@@ -305,20 +304,28 @@ contains
    end subroutine walk_cell
 
    !> Leave out nodes on the outline whose corner of the cell is outside: beside a re-entrant corner
-   !> of the body they belong to the other face of the gap.
-   pure subroutine cut_off_gaps(polygon, is_on_outline, outline)
+   !> of the body they belong to the other face of the gap. Those stay that bound material on the same
+   !> face as a neighbour: where the outline is hollow, as around the nose of a tool, most of the
+   !> corner may be outside.
+   pure subroutine cut_off_gaps(polygon, is_on_outline, outline, has_inside)
       type(polygon_type), intent(inout) :: polygon
       logical, intent(inout) :: is_on_outline(8)
       type(outline_type), intent(in) :: outline
-      integer :: k, n
+      !> Is a node of the cell inside the body?
+      logical, intent(in) :: has_inside
+      integer :: k, n, last, next
       logical :: is_gap
 
       k = 1
       do while (k <= polygon%n .and. polygon%n >= 3)
          n = polygon%n
+         last = modulo(k - 2, n) + 1
+         next = modulo(k, n) + 1
          is_gap = is_on_outline(k)
-         if (is_gap) is_gap = is_outside(outline, polygon%corner(:, [modulo(k - 2, n) + 1, k, &
-                                                                     modulo(k, n) + 1]))
+         if (is_gap) is_gap = is_outside(outline, polygon%corner(:, [last, k, next]))
+         if (is_gap .and. has_inside) is_gap = .not. &
+            (runs_along(outline, polygon%corner(:, last), polygon%corner(:, k)) &
+             .or. runs_along(outline, polygon%corner(:, k), polygon%corner(:, next)))
          if (is_gap) then
             polygon%corner(:, k:n - 1) = polygon%corner(:, k + 1:n)
             is_on_outline(k:n - 1) = is_on_outline(k + 1:n)
