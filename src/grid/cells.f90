@@ -214,8 +214,8 @@ contains
       number = self%n_cells
    end subroutine append_cell
 
-   !> Where two active cells meet at a corner only, make the other two cells at it active as well: no
-   !> face would hold their nodes together.
+   !> Where two active cells meet at a corner only, make the other two cells at it active as well:
+   !> no face would hold their nodes together.
    pure subroutine bridge_corners(cells)
       !> Active cells, not numbered row by row any more.
       type(cells_type), intent(inout) :: cells

@@ -304,9 +304,9 @@ contains
    end subroutine walk_cell
 
    !> Leave out nodes on the outline whose corner of the cell is outside: beside a re-entrant corner
-   !> of the body they belong to the other face of the gap. Those stay that bound material on the same
-   !> face as a neighbour: where the outline is hollow, as around the nose of a tool, most of the
-   !> corner may be outside.
+   !> of the body they belong to the other face of the gap. Those stay that bound material on the
+   !> same face as a neighbour: where the outline is hollow, as around the nose of a tool, most of
+   !> the corner may be outside.
    pure subroutine cut_off_gaps(polygon, is_on_outline, outline, has_inside)
       type(polygon_type), intent(inout) :: polygon
       logical, intent(inout) :: is_on_outline(8)
