@@ -9,7 +9,8 @@ module coulter_boundary_tip
    use coulter_points_tiling, only: nearest_outer_edge, tiling_type
    implicit none(type, external)
    private
-   public :: tip_type, edge_place_type, find_tips, covered_share, place_on_edge
+   public :: tip_type, edge_place_type, find_tips, covered_share, place_on_edge, is_closed, &
+      look_at_corner
 
    !> A sharp corner and the edge of a body that it may press on.
    type :: tip_type
@@ -139,6 +140,7 @@ contains
 
    !> Does the chain of faces close?
    pure function is_closed(tool)
+      !> The tool.
       type(boundary_type), intent(in) :: tool
       logical :: is_closed
 
@@ -149,9 +151,13 @@ contains
 
    !> Is the corner between two faces sharp and convex, and which way do they look?
    pure subroutine look_at_corner(tool, faces, is_sharp, normal)
+      !> The tool.
       type(boundary_type), intent(in) :: tool
+      !> Its faces before and after the corner.
       integer, intent(in) :: faces(2)
+      !> Is it sharp and convex?
       logical, intent(out) :: is_sharp
+      !> Unit normals of both faces there, shape (component, face).
       real(wp), intent(out) :: normal(2, 2)
       type(face_type) :: face
       type(place_type) :: place(2)

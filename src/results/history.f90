@@ -147,7 +147,7 @@ contains
                     model%units%force)
       call add_real(file, "penetrations", [n], "deepest point behind every boundary", &
                     model%units%length)
-      call add_real(file, "tip_penetrations", [n], "deepest corner of every tool in a body", &
+      call add_real(file, "tip_penetrations", [n], "deepest sharp corner of every tool in a body", &
                     model%units%length)
       call add_real(file, "loaded_lengths", [n], "length of every boundary that acts", &
                     model%units%length)

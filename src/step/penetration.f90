@@ -5,6 +5,7 @@ module coulter_step_penetration
    use coulter_base_polygon, only: contains_point, distance_to_segment, winding_number
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, flatten, new_face, place_on, place_type
+   use coulter_boundary_tip, only: is_closed, look_at_corner
    use coulter_model, only: model_type
    use coulter_model_observer, only: step_report_type
    use coulter_points_tiling, only: tiling_type
@@ -104,18 +105,23 @@ contains
       end do
    end function depth_behind
 
-   !> Distance from the outline of the deepest vertex of a tool inside tiles, 0 if none is.
+   !> Distance from the outline of the deepest sharp corner of a tool inside tiles, 0 if none is. Ends
+   !> of arcs do not count: edges of bodies are chords of these.
    pure function depth_of_tips(tool, tiling) result(deepest)
       type(boundary_type), intent(in) :: tool
       type(tiling_type), intent(in) :: tiling
       real(wp) :: deepest
-      real(wp) :: depth
-      integer :: e, v
+      real(wp) :: depth, normal(2, 2)
+      integer :: e, v, n
+      logical :: is_sharp
 
       deepest = 0.0_wp
+      n = size(tool%vertices, 2) - 1
       associate (first => tiling%position(:, tiling%outer_edge(1, :)), &
                  last => tiling%position(:, tiling%outer_edge(2, :)))
-         do v = 1, size(tool%vertices, 2)
+         do v = merge(1, 2, is_closed(tool)), n
+            call look_at_corner(tool, [merge(v - 1, n, v > 1), v], is_sharp, normal)
+            if (.not. is_sharp) cycle
             if (winding_number(first, last, tool%vertices(:, v)) <= 0) cycle
             depth = huge(depth)
             do e = 1, size(first, 2)
