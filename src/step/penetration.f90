@@ -105,8 +105,8 @@ contains
       end do
    end function depth_behind
 
-   !> Distance from the outline of the deepest sharp corner of a tool inside tiles, 0 if none is. Ends
-   !> of arcs do not count: edges of bodies are chords of these.
+   !> Distance from the outline of the deepest sharp corner of a tool inside tiles, 0 if none is.
+   !> Ends of arcs do not count: edges of bodies are chords of these.
    pure function depth_of_tips(tool, tiling) result(deepest)
       type(boundary_type), intent(in) :: tool
       type(tiling_type), intent(in) :: tiling
