@@ -275,6 +275,8 @@ contains
       associate (friction => friction_of(model%boundaries(contact%boundary)))
          if (contact%has_landed .or. (system%is_predicting .and. contact%was_acting)) then
             call rub(answer, place, material, penalty, lag, friction, contact%last_slip)
+         else if (system%is_sticking) then
+            call rub(answer, place, material, penalty, lag, friction, 0)
          else
             call rub(answer, place, material, penalty, lag, friction)
          end if

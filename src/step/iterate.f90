@@ -26,10 +26,13 @@ module coulter_step_iterate
       !> Are the forces at hand those of predicted contacts: those of the last step before the first
       !> iteration, or those on which free tools have landed?
       logical :: has_predicted = .false.
+      !> Did the step begin with predicted contacts?
+      logical :: has_begun_predicted = .false.
       !> Is any law of the scene more than elastic?
       logical :: may_flow = .false.
-      !> May a failure be due to smooth contacts at first?
-      logical :: may_begin_again = .false.
+      !> May a failure be due to contacts that were smooth or predicted at first? Was the tangent
+      !> singular?
+      logical :: may_begin_again = .false., is_singular = .false.
       !> Why there is no equilibrium; unallocated when there is.
       character(len=:), allocatable :: failure
       !> Displacement increments, their last correction, and the unbalanced force, shape (n_dofs).

@@ -98,7 +98,8 @@ contains
       if (system%has_friction .or. system%has_tension) newton%has_predicted = &
          any(system%contacts%item(:system%contacts%n)%was_acting)
       system%is_smooth = system%has_friction .and. .not. newton%has_predicted
-      newton%may_begin_again = system%is_smooth
+      newton%may_begin_again = system%has_friction
+      newton%has_begun_predicted = newton%has_predicted
       system%is_predicting = newton%has_predicted
       call evaluate_first(newton, system, model)
       system%is_predicting = .false.
@@ -159,21 +160,26 @@ contains
       call evaluate(newton, system, model, newton%unknowns)
    end subroutine end_smoothness
 
-   !> After a failure that began with smooth contacts, begin anew with contacts that stick: a body
-   !> may be held by them alone.
+   !> After a failure that began with smooth contacts, or a singular tangent of predicted ones, begin
+   !> anew with contacts that stick: a body may be held by them alone, such as one that slipped while
+   !> a tool pushed it that has left.
    subroutine begin_again(newton, system, model)
       type(newton_type), intent(inout) :: newton
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
 
       if (.not. (allocated(newton%failure) .and. newton%may_begin_again)) return
+      if (newton%has_begun_predicted .and. .not. newton%is_singular) return
       newton%may_begin_again = .false.
       system%is_smooth = .false.
       deallocate (newton%failure, newton%residuals, newton%norms)
       allocate (newton%residuals(0), newton%norms(0))
       newton%unknowns = 0.0_wp
       newton%n_iterations = 0
+      newton%has_predicted = newton%has_begun_predicted
+      system%is_sticking = newton%has_begun_predicted
       call evaluate(newton, system, model, newton%unknowns)
+      system%is_sticking = .false.
    end subroutine begin_again
 
    !> Converged by residual, or by increment, which also covers bodies that move free of stress; a
@@ -255,6 +261,7 @@ contains
       call system%watch%stop()
       if (.not. has_failed) has_failed = maxval(abs(newton%correction)) &
          > largest_motion*maxval(model%grid%upper_corner() - model%grid%origin)
+      newton%is_singular = has_failed
       newton%is_nearly_singular = system%solver%pivot_ratio < least_pivot_ratio(model)
       if (has_failed .and. system%border%unheld > 0) then
          newton%failure = "tool "//model%boundaries(system%border%unheld)%name &

@@ -82,6 +82,8 @@ module coulter_step_system
       !> section 4).
       logical :: has_friction = .false., has_tension = .false.
       logical :: is_predicting = .false., is_smooth = .false.
+      !> Does all stick that rubs and acts, for once?
+      logical :: is_sticking = .false.
       !> Surfaces of bodies that meet at the end of the step, and the length of those of every pair
       !> of bodies that a warning has named last, length units, shape (n_bodies, n_bodies).
       type(fold_type), allocatable :: folds(:)
