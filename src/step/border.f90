@@ -11,7 +11,7 @@ module coulter_step_border
    implicit none(type, external)
    private
    public :: border_type, tool_load_type, new_border, clear_border, add_station, set_motion, &
-      load_on, mode_at, direction_of_turning
+      free_motions, load_on, mode_at, direction_of_turning
 
    !> Direction that stands for the rotation, after both translations.
    integer, parameter :: direction_of_turning = 3
@@ -106,6 +106,25 @@ contains
       reach = maxval([(norm2(boundary%vertices(:, i) - boundary%centre), &
                        i=1, size(boundary%vertices, 2))])
    end function reach_of
+
+   !> Free motions as unknowns: the inverse of `set_motion`.
+   pure function free_motions(border) result(unknowns)
+      !> Border of a step.
+      type(border_type), intent(in) :: border
+      !> Motions, length units.
+      real(wp) :: unknowns(border%n)
+      integer :: j
+
+      do j = 1, border%n
+         associate (motion => border%motion(border%boundary(j)))
+            if (border%direction(j) == direction_of_turning) then
+               unknowns(j) = motion%rotation*border%reach(j)
+            else
+               unknowns(j) = motion%translation(border%direction(j))
+            end if
+         end associate
+      end do
+   end function free_motions
 
    !> Begin a new sum over the stations: loads, and how they change as a tool turns.
    pure subroutine clear_border(border)

@@ -7,6 +7,7 @@
 module coulter_step_guess
    use coulter_base_kinds, only: wp
    use coulter_model, only: model_type
+   use coulter_step_border, only: free_motions
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
@@ -24,7 +25,7 @@ contains
       type(system_type), intent(in) :: system
       !> Scene at the start of the step.
       type(model_type), intent(in) :: model
-      !> Nodal unknowns, length units, shape (n_dofs).
+      !> Nodal unknowns, then free motions of tools, length units, shape (n_dofs + border%n).
       real(wp), intent(out) :: unknowns(:)
       !> Is there a motion to go on with? Else the unknowns are zero.
       logical, intent(out) :: has_guess
@@ -33,8 +34,8 @@ contains
       real(wp) :: scale
 
       unknowns = 0.0_wp
-      ! a free tool would have to be guessed along
-      has_guess = allocated(system%last_motion) .and. system%border%n == 0
+      has_guess = allocated(system%last_motion)
+      if (has_guess) has_guess = size(system%last_motion%free) == system%border%n
       if (.not. has_guess) return
       associate (last => system%last_motion)
          scale = (system%end_time - system%start_time)/last%duration
@@ -47,6 +48,7 @@ contains
                if (dof(2) > 0) unknowns(dof(2)) = value(2)
             end associate
          end do
+         unknowns(system%dofs%n_dofs + 1:) = scale*last%free
       end associate
       ! what outer nodes extrapolate is no measure
       has_guess = maxval(abs(unknowns)) <= farthest*model%grid%smallest_spacing()
@@ -107,6 +109,7 @@ contains
          last%node_index = system%cells%node_index
          last%increment = system%increment
          last%duration = system%end_time - system%start_time
+         last%free = free_motions(system%border)
       end associate
    end subroutine remember_motion
 

@@ -114,7 +114,7 @@ contains
       type(model_type), intent(in) :: model
       logical :: has_guess
 
-      call guess_motion(system, model, newton%unknowns(:system%dofs%n_dofs), has_guess)
+      call guess_motion(system, model, newton%unknowns, has_guess)
       if (has_guess) then
          call evaluate(newton, system, model, newton%unknowns)
          if (.not. allocated(newton%failure)) return

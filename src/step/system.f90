@@ -32,6 +32,8 @@ module coulter_step_system
       !> How far it moved, length units, shape (2, n_nodes), and in what time.
       real(wp), allocatable :: increment(:, :)
       real(wp) :: duration = 0.0_wp
+      !> Free motions of tools, length units, shape (border%n).
+      real(wp), allocatable :: free(:)
    end type motion_memory_type
 
    !> Everything that lives for one step, and what is kept from step to step because it may not
