@@ -24,9 +24,10 @@ module coulter_results_tool_table
    end type tool_table_type
 
    !> Columns of every tool; its name and a colon stand before each.
-   character(len=*), parameter :: columns(*) = [character(len=14) :: "force_x", "force_y", &
-      "moment", "pivot_x", "pivot_y", "rotation", "contact_length", "penetration", "work", &
-      "pressing_force", "rubbing_force", "n_acting", "n_sticking", "n_slipping"]
+   character(len=*), parameter :: columns(*) = [character(len=15) :: "force_x", "force_y", &
+      "moment", "pivot_x", "pivot_y", "rotation", "contact_length", "penetration", &
+      "tip_penetration", "work", "pressing_force", "rubbing_force", "n_acting", "n_sticking", &
+      "n_slipping"]
 
 contains
 
@@ -108,14 +109,13 @@ contains
       type(step_report_type), intent(in) :: report
       integer, intent(in) :: b
       character(len=:), allocatable :: text
-      real(wp) :: values(11)
+      real(wp) :: values(12)
       integer :: i
 
       associate (c => report%contacts(b))
          values = [report%boundary_reactions(:, b), c%moment, c%centre, c%rotation, &
-                   report%loaded_lengths(b), &
-                   max(report%penetrations(b), report%tip_penetrations(b)), c%work, c%pressing, &
-                   c%rubbing]
+                   report%loaded_lengths(b), report%penetrations(b), report%tip_penetrations(b), &
+                   c%work, c%pressing, c%rubbing]
          text = ""
          do i = 1, size(values)
             text = text//","//number(values(i))

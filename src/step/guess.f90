@@ -48,7 +48,7 @@ contains
                if (dof(2) > 0) unknowns(dof(2)) = value(2)
             end associate
          end do
-         unknowns(system%dofs%n_dofs + 1:) = scale*last%free
+         unknowns(size(unknowns) - system%border%n + 1:) = scale*last%free
       end associate
       ! what outer nodes extrapolate is no measure
       has_guess = maxval(abs(unknowns)) <= farthest*model%grid%smallest_spacing()

@@ -160,9 +160,9 @@ contains
       call evaluate(newton, system, model, newton%unknowns)
    end subroutine end_smoothness
 
-   !> After a failure that began with smooth contacts, or a singular tangent of predicted ones, begin
-   !> anew with contacts that stick: a body may be held by them alone, such as one that slipped while
-   !> a tool pushed it that has left.
+   !> After a failure that began with smooth contacts, or a singular tangent of predicted ones,
+   !> begin anew with contacts that stick: a body may be held by them alone, such as one that
+   !> slipped while a tool pushed it that has left.
    subroutine begin_again(newton, system, model)
       type(newton_type), intent(inout) :: newton
       type(system_type), intent(inout) :: system
