@@ -30,6 +30,8 @@ module coulter_results_run_log
       integer :: n_steps = 0, n_iterations = 0, n_retilings = 0
       !> Phase whose heading was written last.
       integer :: phase = 0
+      !> Has a boundary acted on material yet? Shape (n_boundaries).
+      logical, allocatable :: has_acted(:)
    contains
       procedure :: start => start_log
       procedure :: step_done => log_step
@@ -69,6 +71,7 @@ contains
       !> Set when nothing can be written.
       type(error_type), allocatable, intent(out) :: error
 
+      allocate (self%has_acted(size(model%boundaries)), source=.false.)
       self%wall_start = wall_seconds()
       call cpu_time(self%cpu_start)
       call write_scene(self%unit, model, scene)
@@ -106,6 +109,9 @@ contains
       self%n_iterations = self%n_iterations + report%n_iterations
       if (report%is_complete) self%n_steps = self%n_steps + 1
       if (report%has_retiled) self%n_retilings = self%n_retilings + 1
+      if (allocated(report%loaded_lengths)) then
+         self%has_acted = self%has_acted .or. report%loaded_lengths > 0.0_wp
+      end if
       call hide_progress(self)
       if (allocated(model%schedule%phases) .and. report%phase /= self%phase) then
          self%phase = report%phase
@@ -142,9 +148,24 @@ contains
          verdict = verdict//", bodies tiled anew "//plural(self%n_retilings, "time", "times")
       end if
       write (self%unit, "(/, 2x, a)") verdict
+      if (self%n_steps > 0) call write_idle(self, model)
       call write_timing(self)
       flush (self%unit)
    end subroutine finish_log
+
+   !> Name the boundaries that have met nothing: they may be misplaced.
+   subroutine write_idle(self, model)
+      class(run_log_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer :: b
+
+      do b = 1, size(model%boundaries)
+         if (self%has_acted(b)) cycle
+         write (self%unit, "(2x, a)") "warning: "//trim(merge("tool    ", "boundary", &
+                                                              model%boundaries(b)%is_tool)) &
+            //" "//model%boundaries(b)%name//" has met no material"
+      end do
+   end subroutine write_idle
 
    !> Line of a step; a part of a step that was halved is marked by "+".
    function step_line(report) result(line)
