@@ -17,6 +17,8 @@ module coulter_model_scene_check
 
    !> Regions may overlap by this share of the smaller one: round-off of the deck's digits.
    real(wp), parameter :: accepted_overlap = 1.0e-6_wp
+   !> Most points of a scene.
+   real(wp), parameter :: most_points = 2.0e7_wp
    !> A tool may cover this share of a cell at the start, which is pushed out in the first step.
    real(wp), parameter :: accepted_cover = 0.5_wp
    !> Arcs are taken as chords that pass this near, over the spacing.
@@ -47,6 +49,7 @@ contains
       call list_regions(model, regions)
       call check_regions(model, regions, faults)
       call check_overlaps(model, regions, faults)
+      call check_number(model, regions, faults)
       call check_boundaries(model, regions, faults)
       call check_fixities(model, faults)
       call check_geostatic(model, faults)
@@ -113,6 +116,24 @@ contains
          end do
       end do
    end subroutine check_overlaps
+
+   !> A spacing that is wrong by its unit asks for more points than any memory holds.
+   subroutine check_number(model, regions, faults)
+      type(model_type), intent(in) :: model
+      type(located_region_type), intent(in) :: regions(:)
+      type(fault_list_type), intent(inout) :: faults
+      real(wp) :: n_points
+      integer :: r
+
+      n_points = 0.0_wp
+      do r = 1, size(regions)
+         n_points = n_points + regions(r)%area/model%grid%cell_volume() &
+            *real(model%bodies(regions(r)%body)%points_per_cell, wp)**2
+      end do
+      if (n_points <= most_points) return
+      call faults%add("grid", 1, "spacing", "makes about "//to_text(n_points, 2) &
+                      //" points of the bodies; at most "//to_text(most_points, 2)//" will do")
+   end subroutine check_number
 
    !> A boundary must have segments, suit the domains, and reach material unless it says otherwise.
    subroutine check_boundaries(model, regions, faults)
