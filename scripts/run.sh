@@ -40,8 +40,11 @@ echo "== run $name"
 mkdir -p "$output"
 "$root/build/release/coulter" "${options[@]}" --output "$output" "$deck"
 
+# a deck may give its results another name
+results=$(find "$output" -maxdepth 1 -name '*.vtkhdf' -printf '%T@ %p\n' | sort -n | tail -1 | cut -d' ' -f2-)
+[ -n "$results" ] || exit 0  # --check and the like
 PYTHONPATH=$root/postproc phase "plot $name" "$root/.venv/bin/python" -m coulter_post figures \
-   "$output/$name.vtkhdf" --output "$output"
+   "$results" --output "$output"
 
-echo "== results: $output/$name.vtkhdf (opens in ParaView 5.12 or later)"
+echo "== results: $results (opens in ParaView 5.12 or later)"
 find "$output" -maxdepth 1 -name '*.png' -printf '== picture: %p\n' | sort
