@@ -7,10 +7,9 @@
 module coulter_law_drucker_prager
    use coulter_base_error, only: error_type, fatal_error
    use coulter_base_kinds, only: wp
-   use coulter_law_mohr_coulomb, only: set_angles
-   use coulter_law_parameters, only: check_values, law_model_type, law_values_type
+   use coulter_law_parameters, only: law_model_type, law_values_type
    use coulter_law_planes, only: planes_type, return_to_planes, return_type
-   use coulter_law_plastic, only: new_plastic_law, plastic_law_type
+   use coulter_law_plastic, only: new_plastic_law, plastic_law_type, quotient
    use coulter_law_strength, only: factors_type, strength_parameters
    implicit none(type, external)
    private
@@ -18,10 +17,6 @@ module coulter_law_drucker_prager
 
    !> Strength is the cohesion, or without friction the yield stress (von Mises).
    type, extends(plastic_law_type) :: drucker_prager_type
-      !> Tangents of friction and dilation angle.
-      real(wp) :: friction = 0.0_wp, dilation = 0.0_wp
-      !> Largest mean stress, stress units; it follows the factors on the strength.
-      real(wp) :: tension_cutoff = huge(1.0_wp)
       !> Fit to Mohr-Coulomb: 1 compression, -1 extension, 0 plane strain, 2: the strength is k.
       integer :: cone = 2
    contains
@@ -54,19 +49,15 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: cone
 
-      call check_values(drucker_prager_model, name, values, error)
-      if (allocated(error)) return
-      call new_plastic_law(law, name, "cohesion", values, error)
-      if (allocated(error)) return
-      call set_angles(name, values, law%friction, law%dilation, error)
-      if (allocated(error)) return
       cone = values%number("cone", 0.0_wp)
-      law%cone = nint(cone)
-      if (abs(cone - real(law%cone, wp)) > 0.0_wp) then
+      if (.not. any(abs(cone - [-1.0_wp, 0.0_wp, 1.0_wp]) <= 0.0_wp)) then
          call fatal_error(error, "law "//name//": cone must be -1, 0 or 1")
+         return
       end if
-      law%tension_cutoff = values%number("tension_cutoff", huge(1.0_wp))
-      law%is_symmetric = abs(law%friction - law%dilation) <= 0.0_wp .and. law%strength%is_constant
+      law%cone = nint(cone)
+      call new_plastic_law(law, drucker_prager_model, name, "cohesion", values, error)
+      if (allocated(error)) return
+      law%is_symmetric = law%is_associated()
    end subroutine new_drucker_prager
 
    !> See `project_interface`.
@@ -172,15 +163,9 @@ contains
       has_tension = friction(1) > 0.0_wp .or. self%tension_cutoff < huge(1.0_wp)
       if (.not. has_tension) return
       cutoff = huge(1.0_wp)
-      if (friction(1) > 0.0_wp) then
-         cutoff(1) = planes%offset(1)/friction(1)
-         cutoff(2) = (planes%offset_slope(1) - cutoff(1)*planes%normal_slope(1, 1))/friction(1)
-      end if
-      if (self%tension_cutoff < huge(1.0_wp)) then
-         if (self%tension_cutoff*factors%strength < cutoff(1)) then
-            cutoff = self%tension_cutoff*[factors%strength, factors%strength_slope]
-         end if
-      end if
+      if (friction(1) > 0.0_wp) cutoff = quotient([planes%offset(1), planes%offset_slope(1)], &
+                                                  [friction(1), planes%normal_slope(1, 1)])
+      cutoff = self%tension_limit(cutoff, factors)
       planes%offset(2) = cutoff(1)
       planes%offset_slope(2) = cutoff(2)
    end subroutine set_planes

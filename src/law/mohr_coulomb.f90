@@ -7,22 +7,18 @@
 !> Struct. 85, 1795-1807.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_law_mohr_coulomb
-   use coulter_base_error, only: error_type, fatal_error
+   use coulter_base_error, only: error_type
    use coulter_base_kinds, only: wp
-   use coulter_law_parameters, only: check_values, law_model_type, law_values_type
+   use coulter_law_parameters, only: law_model_type, law_values_type
    use coulter_law_planes, only: planes_type, return_to_planes, return_type
-   use coulter_law_plastic, only: new_plastic_law, plastic_law_type
+   use coulter_law_plastic, only: new_plastic_law, plastic_law_type, quotient
    use coulter_law_strength, only: factors_type, strength_parameters
    implicit none(type, external)
    private
-   public :: mohr_coulomb_type, new_mohr_coulomb, mohr_coulomb_model, set_angles
+   public :: mohr_coulomb_type, new_mohr_coulomb, mohr_coulomb_model
 
    !> Strength is the cohesion. Without friction: Tresca.
    type, extends(plastic_law_type) :: mohr_coulomb_type
-      !> Tangents of friction and dilation angle.
-      real(wp) :: friction = 0.0_wp, dilation = 0.0_wp
-      !> Largest tensile stress, stress units; it follows the factors on the strength.
-      real(wp) :: tension_cutoff = huge(1.0_wp)
    contains
       procedure :: project => project_mohr_coulomb
    end type mohr_coulomb_type
@@ -33,7 +29,6 @@ module coulter_law_mohr_coulomb
       "youngs_modulus poisson_ratio cohesion friction_angle", &
       "dilation_angle tension_cutoff friction_factor "//strength_parameters)
 
-   real(wp), parameter :: degree = acos(-1.0_wp)/180.0_wp
    !> Planes by the principal stresses that they bound: 1-3, 1-2, 2-3, then 1, 2, 3 alone.
    integer, parameter :: larger(3) = [1, 1, 2], smaller(3) = [3, 2, 3]
    !> Sets of planes that can be active together, without and with tension.
@@ -54,37 +49,10 @@ contains
       !> Set when they are missing, out of range or contradict each other.
       type(error_type), allocatable, intent(out) :: error
 
-      call check_values(mohr_coulomb_model, name, values, error)
+      call new_plastic_law(law, mohr_coulomb_model, name, "cohesion", values, error)
       if (allocated(error)) return
-      call new_plastic_law(law, name, "cohesion", values, error)
-      if (allocated(error)) return
-      call set_angles(name, values, law%friction, law%dilation, error)
-      if (allocated(error)) return
-      law%tension_cutoff = values%number("tension_cutoff", huge(1.0_wp))
-      law%is_symmetric = abs(law%friction - law%dilation) <= 0.0_wp .and. law%strength%is_constant
+      law%is_symmetric = law%is_associated()
    end subroutine new_mohr_coulomb
-
-   !> Tangents of friction and dilation angle.
-   pure subroutine set_angles(name, values, friction, dilation, error)
-      !> Name of the law, for messages.
-      character(len=*), intent(in) :: name
-      !> Parameters.
-      type(law_values_type), intent(in) :: values
-      !> Tangents.
-      real(wp), intent(out) :: friction, dilation
-      !> Set when there is more dilation than friction, which would make energy, or no strength.
-      type(error_type), allocatable, intent(out) :: error
-      real(wp) :: angle
-
-      angle = values%number("friction_angle", 0.0_wp)
-      friction = tan(angle*degree)
-      dilation = tan(values%number("dilation_angle", 0.0_wp)*degree)
-      if (dilation > friction) then
-         call fatal_error(error, "law "//name//": dilation_angle must not exceed friction_angle")
-      else if (.not. (angle > 0.0_wp .or. values%number("cohesion", 1.0_wp) > 0.0_wp)) then
-         call fatal_error(error, "law "//name//": cohesion and friction_angle must not both be 0")
-      end if
-   end subroutine set_angles
 
    !> See `project_interface`.
    pure subroutine project_mohr_coulomb(self, trial, strength, factors, found, is_elastic)
@@ -132,13 +100,13 @@ contains
       real(wp), intent(in) :: strength
       type(factors_type), intent(in) :: factors
       type(planes_type), intent(out) :: planes
+      !> Are planes 4 to 6 needed?
       logical, intent(out) :: has_tension
-      real(wp) :: friction(2), dilation(2), cosine, cutoff(2)
+      real(wp) :: friction(2), dilation(2), cohesion(2), limit(2), cosine
       integer :: i
 
-      friction = sine(self%friction)
-      dilation = sine(self%dilation)
-      cosine = sqrt(1.0_wp - friction(1)**2)
+      friction = sine(self%friction, factors)
+      dilation = sine(self%dilation, factors)
       do i = 1, 3
          planes%normal(larger(i), i) = 1.0_wp + friction(1)
          planes%normal(smaller(i), i) = friction(1) - 1.0_wp
@@ -149,38 +117,31 @@ contains
          planes%normal(i, i + 3) = 1.0_wp
          planes%flow(i, i + 3) = 1.0_wp
       end do
-      planes%offset(:3) = 2.0_wp*strength*factors%strength*cosine
-      planes%offset_slope(:3) = 2.0_wp*strength*(factors%strength_slope*cosine &
-         - factors%strength*friction(1)/cosine*friction(2))
+      ! c cos(phi) and its slope
+      cosine = sqrt(1.0_wp - friction(1)**2)
+      cohesion = strength*[factors%strength*cosine, factors%strength_slope*cosine &
+                           - factors%strength*friction(1)/cosine*friction(2)]
+      planes%offset(:3) = 2.0_wp*cohesion(1)
+      planes%offset_slope(:3) = 2.0_wp*cohesion(2)
       has_tension = friction(1) > 0.0_wp .or. self%tension_cutoff < huge(1.0_wp)
       if (.not. has_tension) return
-      cutoff = huge(1.0_wp)
-      if (friction(1) > 0.0_wp) then
-         cutoff(1) = strength*factors%strength*cosine/friction(1)
-         cutoff(2) = strength*(factors%strength_slope*cosine/friction(1) &
-            - factors%strength*friction(2)/(friction(1)**2*cosine))
-      end if
-      if (self%tension_cutoff < huge(1.0_wp)) then
-         if (self%tension_cutoff*factors%strength < cutoff(1)) then
-            cutoff = self%tension_cutoff*[factors%strength, factors%strength_slope]
-         end if
-      end if
-      planes%offset(4:) = cutoff(1)
-      planes%offset_slope(4:) = cutoff(2)
-
-   contains
-
-      !> Sine of an angle whose tangent follows the factor, and its slope.
-      pure function sine(tangent)
-         real(wp), intent(in) :: tangent
-         real(wp) :: sine(2)
-         real(wp) :: secant
-
-         secant = sqrt(1.0_wp + (tangent*factors%friction)**2)
-         sine = [tangent*factors%friction/secant, tangent*factors%friction_slope/secant**3]
-      end function sine
-
+      limit = huge(1.0_wp)
+      if (friction(1) > 0.0_wp) limit = quotient(cohesion, friction)
+      limit = self%tension_limit(limit, factors)
+      planes%offset(4:) = limit(1)
+      planes%offset_slope(4:) = limit(2)
    end subroutine set_planes
+
+   !> Sine of an angle whose tangent follows the factor, and its slope.
+   pure function sine(tangent, factors)
+      real(wp), intent(in) :: tangent
+      type(factors_type), intent(in) :: factors
+      real(wp) :: sine(2)
+      real(wp) :: secant
+
+      secant = sqrt(1.0_wp + (tangent*factors%friction)**2)
+      sine = [tangent*factors%friction/secant, tangent*factors%friction_slope/secant**3]
+   end function sine
 
    !> Order in which three numbers do not increase.
    pure function descending(values) result(order)

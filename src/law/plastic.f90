@@ -5,17 +5,17 @@
 !> h = h_n + growth(h), which is solved between bounds.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_law_plastic
-   use coulter_base_error, only: error_type
+   use coulter_base_error, only: error_type, fatal_error
    use coulter_base_kinds, only: wp
    use coulter_law_abstract, only: law_variable_type, law_visit_type, n_plane
    use coulter_law_hencky, only: hencky_type, new_hencky
-   use coulter_law_parameters, only: law_values_type
+   use coulter_law_parameters, only: check_values, law_model_type, law_values_type
    use coulter_law_planes, only: return_type
    use coulter_law_principal, only: principal_law_type, principal_response_type
    use coulter_law_strength, only: factors_type, new_strength, strength_type
    implicit none(type, external)
    private
-   public :: plastic_law_type, new_plastic_law
+   public :: plastic_law_type, new_plastic_law, quotient
 
    !> A law of this kind. State: accumulated plastic strain, and the strength at the datum of strain
    !> where that varies with depth.
@@ -24,11 +24,18 @@ module coulter_law_plastic
       type(hencky_type) :: elastic
       !> Strength by depth, plastic strain and rate.
       type(strength_type) :: strength
+      !> Tangents of friction and dilation angle; 0 for laws without.
+      real(wp) :: friction = 0.0_wp, dilation = 0.0_wp
+      !> Largest principal or mean stress in tension, stress units; it follows the factors on the
+      !> strength.
+      real(wp) :: tension_cutoff = huge(1.0_wp)
    contains
       procedure :: update_principal => update_plastic
       procedure :: elastic_moduli => plastic_moduli
       procedure :: elastic_strain => plastic_elastic_strain
       procedure :: initial_state => plastic_initial_state
+      procedure :: is_associated
+      procedure :: tension_limit
       procedure(project_interface), deferred :: project
    end type plastic_law_type
 
@@ -55,6 +62,7 @@ module coulter_law_plastic
       logical :: has_high
    end type bounds_type
 
+   real(wp), parameter :: degree = acos(-1.0_wp)/180.0_wp
    !> Trials for h, and the share of the trial strain to which it is found.
    integer, parameter :: most_trials = 200
    real(wp), parameter :: tightness = 4.0e-15_wp, round_off = 1.0e-13_wp
@@ -80,24 +88,30 @@ module coulter_law_plastic
 
 contains
 
-   !> What all these laws have in common.
-   pure subroutine new_plastic_law(law, name, strength_name, values, error)
+   !> Set up what all these laws have in common; what remains is whether the tangent is symmetric.
+   pure subroutine new_plastic_law(law, model, name, strength_name, values, error)
       !> Law to set up.
       class(plastic_law_type), intent(inout) :: law
+      !> How decks name it, and what parameters it takes.
+      type(law_model_type), intent(in) :: model
       !> Its name.
       character(len=*), intent(in) :: name
       !> Parameter that is its strength.
       character(len=*), intent(in) :: strength_name
-      !> Parameters, each in its range.
+      !> Parameters.
       type(law_values_type), intent(in) :: values
-      !> Set when they contradict each other.
+      !> Set when they are missing, out of range or contradict each other.
       type(error_type), allocatable, intent(out) :: error
 
+      call check_values(model, name, values, error)
+      if (allocated(error)) return
       call new_hencky(law%elastic, name, values%number("youngs_modulus", 0.0_wp), &
                       values%number("poisson_ratio", 0.0_wp), error)
       if (allocated(error)) return
       call new_strength(law%strength, name, values%number(strength_name, 0.0_wp), values, error)
       if (allocated(error)) return
+      call set_angles(law, name, values, error)
+      law%tension_cutoff = values%number("tension_cutoff", huge(1.0_wp))
       law%name = name
       law%is_elastic = .false.
       law%variables = [law_variable_type("plastic_strain", "1", &
@@ -108,6 +122,59 @@ contains
       end if
       law%n_state = size(law%variables)
    end subroutine new_plastic_law
+
+   !> Tangents of friction and dilation angle. More dilation than friction would make energy.
+   pure subroutine set_angles(law, name, values, error)
+      class(plastic_law_type), intent(inout) :: law
+      character(len=*), intent(in) :: name
+      type(law_values_type), intent(in) :: values
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: angle
+
+      angle = values%number("friction_angle", 0.0_wp)
+      law%friction = tan(angle*degree)
+      law%dilation = tan(values%number("dilation_angle", 0.0_wp)*degree)
+      if (law%dilation > law%friction) then
+         call fatal_error(error, "law "//name//": dilation_angle must not exceed friction_angle")
+      else if (.not. (angle > 0.0_wp .or. values%number("cohesion", 1.0_wp) > 0.0_wp)) then
+         call fatal_error(error, "law "//name//": cohesion and friction_angle must not both be 0")
+      end if
+   end subroutine set_angles
+
+   !> Is plastic flow normal to a yield surface that does not move within a step?
+   pure function is_associated(self) result(answer)
+      class(plastic_law_type), intent(in) :: self
+      logical :: answer
+
+      answer = abs(self%friction - self%dilation) <= 0.0_wp .and. self%strength%is_constant
+   end function is_associated
+
+   !> Largest tension by the apex of the surface or the cut-off, whichever is less, and its slope by
+   !> h.
+   pure function tension_limit(self, apex, factors) result(limit)
+      class(plastic_law_type), intent(in) :: self
+      !> Tension at the apex and its slope, stress units.
+      real(wp), intent(in) :: apex(2)
+      !> Factors on the strength.
+      type(factors_type), intent(in) :: factors
+      real(wp) :: limit(2)
+
+      limit = apex
+      if (.not. self%tension_cutoff < huge(1.0_wp)) return
+      if (self%tension_cutoff*factors%strength < apex(1)) then
+         limit = self%tension_cutoff*[factors%strength, factors%strength_slope]
+      end if
+   end function tension_limit
+
+   !> Quotient of two numbers and its slope.
+   pure function quotient(above, below)
+      !> The numbers and their slopes.
+      real(wp), intent(in) :: above(2), below(2)
+      real(wp) :: quotient(2)
+
+      quotient(1) = above(1)/below(1)
+      quotient(2) = (above(2) - quotient(1)*below(2))/below(1)
+   end function quotient
 
    !> See `principal_interface`.
    pure subroutine update_plastic(self, visit, trial, state, response, new_state)

@@ -5,9 +5,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_law_tresca
    use coulter_base_error, only: error_type
-   use coulter_base_kinds, only: wp
    use coulter_law_mohr_coulomb, only: mohr_coulomb_type
-   use coulter_law_parameters, only: check_values, law_model_type, law_values_type
+   use coulter_law_parameters, only: law_model_type, law_values_type
    use coulter_law_plastic, only: new_plastic_law
    use coulter_law_strength, only: strength_parameters
    implicit none(type, external)
@@ -32,13 +31,10 @@ contains
       !> Set when they are missing, out of range or contradict each other.
       type(error_type), allocatable, intent(out) :: error
 
-      call check_values(tresca_model, name, values, error)
-      if (allocated(error)) return
-      call new_plastic_law(law, name, "shear_strength", values, error)
+      call new_plastic_law(law, tresca_model, name, "shear_strength", values, error)
       if (allocated(error)) return
       ! at edges the plastic strain does not grow like the multipliers
-      law%is_symmetric = law%strength%is_constant
-      law%tension_cutoff = values%number("tension_cutoff", huge(1.0_wp))
+      law%is_symmetric = law%is_associated()
    end subroutine new_tresca
 
 end module coulter_law_tresca

@@ -7,7 +7,7 @@
 module coulter_law_von_mises
    use coulter_base_error, only: error_type
    use coulter_law_drucker_prager, only: drucker_prager_type
-   use coulter_law_parameters, only: check_values, law_model_type, law_values_type
+   use coulter_law_parameters, only: law_model_type, law_values_type
    use coulter_law_plastic, only: new_plastic_law
    use coulter_law_strength, only: strength_parameters
    implicit none(type, external)
@@ -32,8 +32,7 @@ contains
       !> Set when they are missing, out of range or contradict each other.
       type(error_type), allocatable, intent(out) :: error
 
-      call check_values(von_mises_model, name, values, error)
-      if (.not. allocated(error)) call new_plastic_law(law, name, "yield_stress", values, error)
+      call new_plastic_law(law, von_mises_model, name, "yield_stress", values, error)
    end subroutine new_von_mises
 
 end module coulter_law_von_mises
