@@ -10,6 +10,7 @@ module coulter_law_drucker_prager
    use coulter_law_parameters, only: law_model_type, law_values_type
    use coulter_law_planes, only: planes_type, return_to_planes, return_type
    use coulter_law_plastic, only: new_plastic_law, plastic_law_type, quotient
+   use coulter_law_softening, only: check_softening
    use coulter_law_strength, only: factors_type, strength_parameters
    implicit none(type, external)
    private
@@ -58,6 +59,7 @@ contains
       call new_plastic_law(law, drucker_prager_model, name, "cohesion", values, error)
       if (allocated(error)) return
       law%is_symmetric = law%is_associated()
+      call check_softening(law, error)
    end subroutine new_drucker_prager
 
    !> See `project_interface`.

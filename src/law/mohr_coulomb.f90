@@ -12,6 +12,7 @@ module coulter_law_mohr_coulomb
    use coulter_law_parameters, only: law_model_type, law_values_type
    use coulter_law_planes, only: planes_type, return_to_planes, return_type
    use coulter_law_plastic, only: new_plastic_law, plastic_law_type, quotient
+   use coulter_law_softening, only: check_softening
    use coulter_law_strength, only: factors_type, strength_parameters
    implicit none(type, external)
    private
@@ -52,6 +53,7 @@ contains
       call new_plastic_law(law, mohr_coulomb_model, name, "cohesion", values, error)
       if (allocated(error)) return
       law%is_symmetric = law%is_associated()
+      call check_softening(law, error)
    end subroutine new_mohr_coulomb
 
    !> See `project_interface`.

@@ -88,7 +88,7 @@ module coulter_law_parameters
       law_parameter_type("plastic_strain", 1, 100, "", "(none)", ">= 0", &
          "accumulated plastic strains, increasing, at which the factors below hold"), &
       law_parameter_type("strength_factor", 1, 100, "", "1.0", ">= 0", &
-         "factors on the strength at these strains: hardening and softening"), &
+         "factors on the strength at these strains: hardening; softening slower than unloading"), &
       law_parameter_type("friction_factor", 1, 100, "", "1.0", ">= 0", &
          "factors on the tangents of friction and dilation angle at these strains"), &
       law_parameter_type("rate_factor", 1, 1, "", "0.0", ">= 0", &

@@ -36,6 +36,7 @@ module coulter_law_plastic
       procedure :: initial_state => plastic_initial_state
       procedure :: is_associated
       procedure :: tension_limit
+      procedure :: growth_slope
       procedure(project_interface), deferred :: project
    end type plastic_law_type
 
@@ -175,6 +176,26 @@ contains
       quotient(1) = above(1)/below(1)
       quotient(2) = (above(2) - quotient(1)*below(2))/below(1)
    end function quotient
+
+   !> How the plastic strain of a step grows with the hardening variable when the trial strain is
+   !> given: 1 and more if the strength falls faster than the stress does by unloading. Counted is
+   !> the strength alone, not the angles, whose part grows with pressure.
+   pure function growth_slope(self, trial, h) result(slope)
+      class(plastic_law_type), intent(in) :: self
+      !> Principal elastic trial strains.
+      real(wp), intent(in) :: trial(3)
+      !> Accumulated plastic strain.
+      real(wp), intent(in) :: h
+      real(wp) :: slope
+      type(guess_type) :: guess
+      type(factors_type) :: factors
+
+      factors = self%strength%factors(h, 0.0_wp, 0.0_wp)
+      factors%friction_slope = 0.0_wp
+      call self%project(trial, self%strength%reference, factors, guess%found, guess%is_elastic)
+      if (.not. guess%is_elastic) call measure(guess, self%elastic%shear_modulus)
+      slope = guess%slope
+   end function growth_slope
 
    !> See `principal_interface`.
    pure subroutine update_plastic(self, visit, trial, state, response, new_state)

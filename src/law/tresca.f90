@@ -8,6 +8,7 @@ module coulter_law_tresca
    use coulter_law_mohr_coulomb, only: mohr_coulomb_type
    use coulter_law_parameters, only: law_model_type, law_values_type
    use coulter_law_plastic, only: new_plastic_law
+   use coulter_law_softening, only: check_softening
    use coulter_law_strength, only: strength_parameters
    implicit none(type, external)
    private
@@ -35,6 +36,7 @@ contains
       if (allocated(error)) return
       ! at edges the plastic strain does not grow like the multipliers
       law%is_symmetric = law%is_associated()
+      call check_softening(law, error)
    end subroutine new_tresca
 
 end module coulter_law_tresca

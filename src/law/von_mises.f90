@@ -9,6 +9,7 @@ module coulter_law_von_mises
    use coulter_law_drucker_prager, only: drucker_prager_type
    use coulter_law_parameters, only: law_model_type, law_values_type
    use coulter_law_plastic, only: new_plastic_law
+   use coulter_law_softening, only: check_softening
    use coulter_law_strength, only: strength_parameters
    implicit none(type, external)
    private
@@ -33,6 +34,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       call new_plastic_law(law, von_mises_model, name, "yield_stress", values, error)
+      if (.not. allocated(error)) call check_softening(law, error)
    end subroutine new_von_mises
 
 end module coulter_law_von_mises
