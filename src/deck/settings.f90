@@ -94,6 +94,7 @@ contains
       call get_value(deck, group, "augmentations", control%n_augmentations)
       call get_value(deck, group, "max_iterations", control%max_iterations)
       call get_value(deck, group, "max_halvings", control%max_halvings)
+      call get_value(deck, group, "settle", control%may_settle)
       call get_value(deck, group, "fill_tolerance", control%fill_tolerance)
       choice = merge(2, 1, control%has_mean_volume)
       call get_choice(deck, group, "volumetric", choice)
@@ -114,6 +115,7 @@ contains
          call refuse(deck, group, "hourglass", "belongs to domains = 'cpdi2'")
          call refuse(deck, group, "ghost_penalty", "belongs to domains = 'cpdi2'")
          call refuse(deck, group, "retile", "belongs to domains = 'cpdi2'")
+         call refuse(deck, group, "settle", "belongs to domains = 'cpdi2'")
       end if
    end subroutine read_control
 

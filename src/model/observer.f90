@@ -55,6 +55,8 @@ module coulter_model_observer
       integer :: n_iterations = 0
       !> Failed attempts that led to this step size.
       integer :: n_halvings = 0
+      !> Attempts to let bodies settle so far, this one included; 0 where none does.
+      integer :: n_settling = 0
       !> Relative residual before every iteration and at the end, shape (n_iterations + 1).
       real(wp), allocatable :: residuals(:)
       !> Estimated condition of the last tangent, scaled by its diagonal; 0 where nobody asked.

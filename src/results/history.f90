@@ -89,6 +89,7 @@ contains
       call add_real(file, "load_factor", [integer ::], "time over the time of the last step", "1")
       call add_integer(file, "n_iterations", "Newton iterations")
       call add_integer(file, "n_halvings", "failed attempts that led to this step size")
+      call add_integer(file, "n_settling", "attempts to let bodies settle so far, 0 where none does")
       call add_real(file, "condition", [integer ::], &
                     "estimated condition of the scaled tangent, 0 where not asked for", "1")
    end subroutine add_step_columns
@@ -107,6 +108,7 @@ contains
       call file%put_reals("history/load_factor", row, 1, [report%load_factor])
       call put_integer(file, "n_iterations", row, report%n_iterations)
       call put_integer(file, "n_halvings", row, report%n_halvings)
+      call put_integer(file, "n_settling", row, report%n_settling)
       call file%put_reals("history/condition", row, 1, [report%condition])
    end subroutine put_step_columns
 

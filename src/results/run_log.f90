@@ -182,6 +182,7 @@ contains
          //right(to_text(report%time, 5), 11) &
          //right(to_text(nint(100.0_wp*report%load_factor)), 6)//" %" &
          //right(to_text(report%n_iterations), 12)//residual//trim(seconds)
+      if (report%n_settling > 0) line = line//"   settling"
       if (report%n_halvings > 0) line = line//"   halved "//to_text(report%n_halvings)//" x"
    end function step_line
 

@@ -107,8 +107,11 @@ contains
       integer :: i, p, v
 
       do p = 1, model%points%n_points
-         if (.not. system%drag(p) > 0.0_wp) cycle
-         share = 0.25_wp*system%drag(p)*system%map%area(p)
+         share = 0.0_wp
+         if (allocated(system%drag)) share = system%drag(p)
+         if (system%settling_drag > 0.0_wp) share = share + settling_drag_of(system, model, p)
+         if (.not. share > 0.0_wp) cycle
+         share = 0.25_wp*share*system%map%area(p)
          associate (corner => model%tiling%corner(:, p))
             call add_at_corners(corner, share*values_at(corner, system%map%increment), at_corners)
          end associate
@@ -121,6 +124,18 @@ contains
          call scatter_tile(system, p, stiffness)
       end do
    end subroutine add_drag
+
+   !> Drag on a tile of a body that settles, per area and motion, stress over squared length.
+   pure function settling_drag_of(system, model, p) result(drag)
+      type(system_type), intent(in) :: system
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: p
+      real(wp) :: drag
+      real(wp) :: lame_lambda, shear_modulus
+
+      call point_moduli(model, p, lame_lambda, shear_modulus)
+      drag = system%settling_drag*shear_modulus/model%grid%smallest_spacing()**2
+   end function settling_drag_of
 
    !> Say how many tiles of which bodies are loose, when that has changed.
    pure subroutine name_loose_parts(report, model, system)

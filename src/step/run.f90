@@ -11,6 +11,7 @@ module coulter_step_run
    use coulter_step, only: advance_step, prepare_system
    use coulter_step_phases, only: begin_phase
    use coulter_step_report, only: report_scene
+   use coulter_step_settle, only: begin_settling, is_settling, settle_again, settle_on
    use coulter_step_sites, only: open_sites, release_sites
    use coulter_step_system, only: system_type
    implicit none(type, external)
@@ -87,7 +88,8 @@ contains
       end if
    end subroutine describe_system
 
-   !> One load step, in one go or in parts: a part that fails is repeated with half its size.
+   !> One load step, in one go or in parts: a part that fails is repeated with half its size, and
+   !> where that does not help either, bodies settle.
    subroutine run_load_step(model, system, step, reported, observer, error)
       type(model_type), intent(inout) :: model
       type(system_type), intent(inout) :: system
@@ -99,27 +101,33 @@ contains
       character(len=:), allocatable :: failure
       real(wp) :: last_time, increment
       integer :: n_halvings
+      logical :: is_lost
 
       last_time = model%schedule%end_time(step)
       increment = last_time - model%time
       n_halvings = 0
-      do while (model%time < last_time)
+      do while (model%time < last_time .or. is_settling(system))
          call advance_step(model, system, end_of_part(model%time, increment, last_time), &
                            report, failure)
          if (allocated(failure)) then
-            n_halvings = n_halvings + 1
-            ! half, unless a law knows better
-            increment = system%verdict%step_ratio*increment
-            if (n_halvings <= model%control%max_halvings &
-                .and. .not. system%verdict%ends_run) cycle
-            call fatal_error(error, failure_message(model, step, n_halvings - 1, failure))
+            call try_again(model, system, increment, n_halvings, is_lost)
+            if (.not. is_lost) cycle
+            call fatal_error(error, failure_message(model, step, n_halvings, failure, &
+                                                    is_settling(system)))
             return
+         end if
+         report%n_halvings = n_halvings
+         report%n_settling = system%n_settling
+         if (is_settling(system)) then
+            call settle_on(system, model%grid%smallest_spacing())
+            ! tools are held until bodies are at rest
+            increment = merge(0.0_wp, last_time - model%time, is_settling(system))
+            n_halvings = 0
          end if
          if (associated(system%sites)) system%sites%increment = system%sites%increment + 1
          report%step = step
          report%phase = model%schedule%phase_of(step)
-         report%is_complete = model%time >= last_time
-         report%n_halvings = n_halvings
+         report%is_complete = model%time >= last_time .and. .not. is_settling(system)
          report%phase_seconds = system%watch%seconds - reported
          reported = system%watch%seconds
          call system%watch%start(phase_output)
@@ -129,25 +137,53 @@ contains
       end do
    end subroutine run_load_step
 
+   !> After a part that failed: half of it, unless a law knows better; when that has not helped often
+   !> enough, and the scene allows it, bodies settle, with more drag each time that they fail to.
+   pure subroutine try_again(model, system, increment, n_halvings, is_lost)
+      type(model_type), intent(in) :: model
+      type(system_type), intent(inout) :: system
+      !> Size of the part.
+      real(wp), intent(inout) :: increment
+      integer, intent(inout) :: n_halvings
+      !> Does nothing help?
+      logical, intent(out) :: is_lost
+
+      is_lost = system%verdict%ends_run
+      if (is_lost) return
+      if (is_settling(system)) then
+         call settle_again(system, is_lost)
+      else if (n_halvings < model%control%max_halvings) then
+         n_halvings = n_halvings + 1
+         increment = system%verdict%step_ratio*increment
+      else if (model%control%may_settle) then
+         call begin_settling(system)
+      else
+         is_lost = .true.
+      end if
+   end subroutine try_again
+
    !> End of the next part; the last one ends exactly with the load step.
    pure function end_of_part(time, increment, last_time) result(end_time)
       real(wp), intent(in) :: time, increment, last_time
       real(wp) :: end_time
 
       end_time = time + increment
-      if (end_time > last_time - 1.0e-6_wp*increment) end_time = last_time
+      if (increment > 0.0_wp .and. end_time > last_time - 1.0e-6_wp*increment) end_time = last_time
    end function end_of_part
 
    !> Why and where the run ends.
-   pure function failure_message(model, step, n_halvings, failure) result(message)
+   pure function failure_message(model, step, n_halvings, failure, is_settling) result(message)
       type(model_type), intent(in) :: model
       integer, intent(in) :: step, n_halvings
       character(len=*), intent(in) :: failure
+      !> Did bodies settle, and not come to rest?
+      logical, intent(in) :: is_settling
       character(len=:), allocatable :: message
 
       message = "step "//to_text(step)//" of "//to_text(size(model%schedule%end_time)) &
          //" failed at time "//to_text(model%time)
       if (n_halvings > 0) message = message//", even when halved "//to_text(n_halvings)//" times"
+      if (is_settling) message = message//", and bodies do not come to rest"
       message = message//": "//failure
    end function failure_message
 

@@ -14,6 +14,7 @@ module coulter_step
    use coulter_step_report, only: report_step
    use coulter_step_retile, only: retile_if_distorted
    use coulter_step_point_setup, only: find_participants, number_system
+   use coulter_step_settle, only: is_settling
    use coulter_step_sites, only: place_sites
    use coulter_step_system, only: system_type
    use coulter_step_tile_setup, only: find_contacts, find_tile_participants, number_tile_system, &
@@ -63,7 +64,7 @@ contains
       if (allocated(model%tiling)) call find_meetings(system, model, failure)
       if (.not. allocated(failure)) call accept_step(model, system, failure)
       if (.not. allocated(failure)) then
-         if (allocated(model%tiling)) call remember_motion(system)
+         if (allocated(model%tiling) .and. .not. is_settling(system)) call remember_motion(system)
          call report_step(report, model, system, newton)
          if (allocated(model%tiling)) call retile_if_distorted(model, system, report)
       end if

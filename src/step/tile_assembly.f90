@@ -39,7 +39,9 @@ contains
       if (system%needs_tangent) call clear_stars(system%stars)
       call add_interiors(system, model, at_corners, failed_tile)
       if (failed_tile > 0) return
-      if (allocated(system%drag)) call add_drag(system, model, at_corners)
+      if (allocated(system%drag) .or. system%settling_drag > 0.0_wp) then
+         call add_drag(system, model, at_corners)
+      end if
       call spread_to_nodes(system%map, at_corners, system%internal)
       call add_ghost_forces(system%ghost, system%ghost_stiffness, system%increment, &
                             system%internal)
