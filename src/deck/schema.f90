@@ -380,7 +380,7 @@ module coulter_deck_schema
       variable_rule_type("control", "max_halvings", "integer", 1, 1, "", "6", ">= 0 <= 30", &
          "how often a failed step may be halved"), &
       variable_rule_type("control", "settle", "logical", 1, 1, "", ".false.", "", &
-         "let bodies slide against a drag until they come to rest, where halving does not help (cpdi2)"), &
+         "where halving does not help, let bodies slide against a drag until they come to rest"), &
       variable_rule_type("control", "small_cells", "choice", 1, 1, "", "'aggregate'", &
          "keep drop aggregate", &
          "cells with little material are kept, left out (points), or tied to the next full cell"), &

@@ -73,7 +73,7 @@ module coulter_model_control
       integer :: max_iterations = 25
       !> How often a failed step may be halved.
       integer :: max_halvings = 6
-      !> Do bodies that find no equilibrium slide against a drag until they come to rest? Tiles only.
+      !> Do bodies that find no equilibrium slide against a drag until they rest? Tiles only.
       logical :: may_settle = .false.
       !> What happens to cells with little material: one of `small_cells_*`.
       integer :: small_cells = small_cells_aggregate

@@ -89,7 +89,8 @@ contains
       call add_real(file, "load_factor", [integer ::], "time over the time of the last step", "1")
       call add_integer(file, "n_iterations", "Newton iterations")
       call add_integer(file, "n_halvings", "failed attempts that led to this step size")
-      call add_integer(file, "n_settling", "attempts to let bodies settle so far, 0 where none does")
+      call add_integer(file, "n_settling", &
+                       "attempts to let bodies settle so far, 0 where none does")
       call add_real(file, "condition", [integer ::], &
                     "estimated condition of the scaled tangent, 0 where not asked for", "1")
    end subroutine add_step_columns

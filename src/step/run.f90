@@ -137,8 +137,9 @@ contains
       end do
    end subroutine run_load_step
 
-   !> After a part that failed: half of it, unless a law knows better; when that has not helped often
-   !> enough, and the scene allows it, bodies settle, with more drag each time that they fail to.
+   !> After a part that failed: half of it, unless a law knows better; when that has not helped
+   !> often enough, and the scene allows it, bodies settle, with more drag each time that they fail
+   !> to.
    pure subroutine try_again(model, system, increment, n_halvings, is_lost)
       type(model_type), intent(in) :: model
       type(system_type), intent(inout) :: system

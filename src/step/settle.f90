@@ -15,8 +15,8 @@ module coulter_step_settle
    !> Drag at first, at most, and below which it is left out: per area and motion, over shear
    !> modulus and squared spacing.
    real(wp), parameter :: first_drag = 1.0e-2_wp, largest_drag = 10.0_wp, least_drag = 1.0e-7_wp
-   !> Motion of a part that is aimed at, over the spacing; factors by which the drag may change after
-   !> a part, and after one that failed.
+   !> Motion of a part that is aimed at, over the spacing; factors by which the drag may change
+   !> after a part, and after one that failed.
    real(wp), parameter :: good_motion = 0.1_wp, factors(2) = [0.1_wp, 2.0_wp], firmer = 3.0_wp
    !> Parts after which bodies are not expected to come to rest.
    integer, parameter :: most_parts = 200

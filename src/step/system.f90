@@ -95,8 +95,8 @@ module coulter_step_system
       !> Drag on the tiles of loose parts per area and motion, stress over squared length, shape
       !> (n_tiles); unallocated if there are none.
       real(wp), allocatable :: drag(:)
-      !> Drag on all tiles while bodies settle, over shear modulus and squared spacing, and the number
-      !> of the part that is tried; 0 where they do not.
+      !> Drag on all tiles while bodies settle, over shear modulus and squared spacing, and the
+      !> number of the part that is tried; 0 where they do not.
       real(wp) :: settling_drag = 0.0_wp
       integer :: n_settling = 0
       !> Way of the fastest boundary since bodies were tiled, over the grid spacing.
