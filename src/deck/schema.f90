@@ -5,7 +5,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_deck_schema
    use coulter_base_text, only: lower_case, split_words, to_text
-   use coulter_law, only: law_parameters
+   use coulter_law, only: law_models, law_parameters
    implicit none(type, external)
    private
    public :: group_rule_type, variable_rule_type, group_rules, variable_rules, required
@@ -39,16 +39,16 @@ module coulter_deck_schema
       !> Default as written in a deck, `required`, or a remark in parentheses.
       character(len=20) :: default
       !> Conditions such as "> 0 <= 1", or the words of a choice; empty if all is allowed.
-      character(len=80) :: range
+      character(len=200) :: range
       !> What it means.
       character(len=110) :: meaning
    end type variable_rule_type
 
    !> Default of a variable that has none.
    character(len=*), parameter :: required = "required"
-   !> Kinds of law: those of `law_models`, and user materials.
-   character(len=*), parameter :: law_words = &
-      "hencky houlsby von_mises tresca drucker_prager mohr_coulomb cam_clay umat"
+   !> Kinds of law: words of `law_models`, with blanks between, and user materials.
+   character(len=*), parameter :: law_words = transfer(law_models%word, repeat(" ", &
+      size(law_models)*len(law_models%word)))//" umat"
    !> Parameters of user materials alone.
    character(len=*), parameter :: umat_parameters(*) = [character(len=15) :: &
       "library", "constants", "n_state", "initial_state", "umat_components", "material"]
