@@ -223,6 +223,32 @@ def test_stress_belongs_to_the_shared_volume(tmp_path):
     np.testing.assert_allclose(stress * np.exp(trace), expected, atol=1e-9 * abs(expected).max())
 
 
+def test_stations_carry_the_forces(tmp_path):
+    """Frame by frame: a plate with friction, pressed down and then drawn aside."""
+    text = TILED[: TILED.index("&boundary\n")] + """
+&tool name = "plate", shape = "rectangle", size = 2.0, 0.5, position = 1.5, 2.0, friction = 0.2 /
+&motion tool = "plate", phase = "press", displacement = 0.0, -0.1 /
+&motion tool = "plate", phase = "draw", displacement = 0.3, 0.0 /
+&phase name = "press", count = 2 /
+&phase name = "draw", count = 3 /
+"""
+    with h5py.File(results_of(make_tiled_deck(tmp_path, text))) as file:
+        stations = {name: file[f"stations/{name}"][:] for name in file["stations"]}
+        forces = file["history/boundary_reactions"][:, 2]
+    n_rows = stations["n_rows"]
+    np.testing.assert_array_equal(stations["first_row"], np.cumsum(n_rows) - n_rows)
+    assert n_rows.sum() == len(stations["length"])
+    for frame in range(1, 6):
+        rows = slice(stations["first_row"][frame], stations["first_row"][frame] + n_rows[frame])
+        mine = stations["boundary"][rows] == 3
+        length, slip = stations["length"][rows][mine], stations["slip"][rows][mine]
+        normal, shear = stations["traction"][rows][mine].T
+        # the plate is level, but for the edges that bend around its corners
+        assert np.dot(length, normal) == pytest.approx(forces[frame - 1][1], rel=1e-2)
+        assert np.all(shear[slip != 0] * slip[slip != 0] > 0.0)
+    assert np.all(slip != 0)
+
+
 def test_last_step_is_kept_with_its_stations(tmp_path):
     text = TILED.replace("-0.1, 1.0 /", "-0.1, -0.2 /") + "&output every = 9 /\n"
     with h5py.File(results_of(make_tiled_deck(tmp_path, text))) as file:
