@@ -12,9 +12,9 @@ module coulter_results_hdf5_io
       h5gclose_f, h5gcreate_f, h5kind_to_type, h5oclose_f, h5oopen_f, h5open_f, h5pclose_f, &
       h5pcreate_f, h5pset_chunk_f, h5pset_istore_k_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
       h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sselect_hyperslab_f, h5tclose_f
-   use hdf5, only: h5_integer_kind, h5_real_kind, h5f_acc_rdwr_f, h5f_acc_trunc_f, &
-      h5f_scope_global_f, h5p_dataset_create_f, h5p_file_create_f, h5s_scalar_f, h5s_select_set_f, &
-      h5t_native_integer, hid_t, hsize_t
+   use hdf5, only: h5_integer_kind, h5_real_kind, h5f_acc_rdonly_f, h5f_acc_rdwr_f, &
+      h5f_acc_trunc_f, h5f_scope_global_f, h5p_dataset_create_f, h5p_file_create_f, h5s_scalar_f, &
+      h5s_select_set_f, h5t_native_integer, hid_t, hsize_t
    implicit none(type, external)
    private
    public :: hdf5_file_type, forgo_cleanup
@@ -75,9 +75,14 @@ contains
       class(hdf5_file_type), intent(inout) :: self
       integer(hid_t) :: access_list, creation_list
       integer(long) :: ticks
-      integer :: codes(7)
+      integer :: codes(7), unit, status
+      logical :: is_there
 
-      self%has_failed = .false.
+      inquire (file=self%path, exist=is_there)
+      ! a run that still has the old file open must not write into the new one
+      open (newunit=unit, file=self%path, status="old", iostat=status)
+      if (status == 0) close (unit, status="delete", iostat=status)
+      self%has_failed = status > 0 .and. is_there
       call h5open_f(codes(1))
       call h5eset_auto_f(0, codes(2))
       access_list = unlocked_access()
@@ -96,14 +101,22 @@ contains
    subroutine open_file(self)
       class(hdf5_file_type), intent(inout) :: self
       integer(hid_t) :: access_list
-      integer :: codes(2)
+      integer :: codes(4)
 
       if (self%has_failed) return
+      codes = 0
       access_list = unlocked_access()
-      call h5fopen_f(self%path, h5f_acc_rdwr_f, self%id, codes(1), access_prp=access_list)
-      call h5pclose_f(access_list, codes(2))
+      ! first to read: closing a file that another run writes would cut it
+      call h5fopen_f(self%path, h5f_acc_rdonly_f, self%id, codes(1), access_prp=access_list)
       call self%note(codes)
       call self%look_for_key()
+      if (self%id >= 0) call h5fclose_f(self%id, codes(2))
+      self%id = -1
+      if (.not. self%has_failed) then
+         call h5fopen_f(self%path, h5f_acc_rdwr_f, self%id, codes(3), access_prp=access_list)
+      end if
+      call h5pclose_f(access_list, codes(4))
+      call self%note(codes)
    end subroutine open_file
 
    !> A second run with the same output replaces the file: then leave it alone.
