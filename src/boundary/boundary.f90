@@ -92,6 +92,8 @@ module coulter_boundary
       type(leg_type), allocatable :: legs(:)
       !> Displacement and rotation since the start, length units and radians.
       real(wp) :: travel(2) = 0.0_wp, turned = 0.0_wp
+      !> Displacement in the last step in which it moved, length units.
+      real(wp) :: heading(2) = 0.0_wp
       !> Current centre of the rotation, length units; it moves with the displacement.
       real(wp) :: centre(2) = 0.0_wp
    contains

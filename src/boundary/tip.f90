@@ -78,12 +78,12 @@ contains
          tip%share = min(max(tip%share, 0.0_wp), 1.0_wp)
          foot = ends(:, 1) + tip%share*(ends(:, 2) - ends(:, 1))
          if (norm2(foot - tool%vertices(:, v)) > reach*spacing) cycle
+         ! the face before the corner runs towards it
+         tip%inward = reshape([-tip%normal(2, 1), tip%normal(1, 1), &
+                               tip%normal(2, 2), -tip%normal(1, 2)], [2, 2])
          do k = 1, 2
-            ! the face before the corner runs towards it
-            tip%inward(:, k) = real(2*k - 3, wp)*[tip%normal(2, k), -tip%normal(1, k)]
-            tip%is_open(k) = ends_openly(tool, tip%faces(k), tool%vertices(:, v), &
-                                         tip%normal(:, [k, 3 - k]), tip%inward(:, k), tiling, &
-                                         spacing)
+            tip%is_open(k) = ends_openly(tool, tip%faces(k), v, tip%normal(:, [k, 3 - k]), &
+                                         tip%inward(:, [k, 3 - k]), tiling, spacing)
          end do
          tips = [tips, tip]
       end do

@@ -300,6 +300,7 @@ contains
             end do
             boundary%centre = boundary%centre + motion%translation
             boundary%travel = boundary%travel + motion%translation
+            if (any(abs(motion%translation) > 0.0_wp)) boundary%heading = motion%translation
             boundary%turned = boundary%turned + motion%rotation
             boundary%lever = matmul(turn_matrix(motion%rotation), boundary%lever)
          end associate
