@@ -23,6 +23,8 @@ module coulter_points_transfer
    !> New tiles that share less than this part of their area with old ones take the state of the
    !> nearest.
    real(wp), parameter :: least_share = 1.0e-6_wp
+   !> New tiles flow on where a larger share than this of what they are made of flowed.
+   real(wp), parameter :: most_at_rest = 0.5_wp
 
 contains
 
@@ -101,6 +103,7 @@ contains
       call allocate_points(points, size(owner), old_points%n_state)
       points%body = owner
       if (allocated(old_points%shared_ratio)) allocate (points%shared_ratio(size(owner)))
+      if (allocated(old_points%has_flowed)) allocate (points%has_flowed(size(owner)))
       allocate (strain(4, old_points%n_points))
       do p = 1, old_points%n_points
          call log_strain_plane(old_points%converged%elastic_finger(:, p), strain(:, p))
@@ -138,6 +141,9 @@ contains
          points%shared_ratio(p) = dot_product(share, old%shared_ratio(found))
       end if
       points%reference_volume(p) = area/ratio
+      if (allocated(old%has_flowed)) then
+         points%has_flowed(p) = sum(share, mask=old%has_flowed(found)) > most_at_rest
+      end if
    end subroutine average
 
    !> Scale the volumes of every body so that it has its old mass; J follows.

@@ -8,11 +8,11 @@ module coulter_step_hourglass
    use coulter_base_kinds, only: wp
    use coulter_base_tensor, only: equivalent_stress
    use coulter_model, only: model_type, point_moduli
-   use coulter_points_tiling, only: current_hourglass, values_at
+   use coulter_points_tiling, only: corner_gradients, current_hourglass, values_at
    use coulter_step_tile_map, only: tile_map_type
    implicit none(type, external)
    private
-   public :: find_pull, hourglass_stiffness, remember_hourglass
+   public :: find_pull, hourglass_stiffness, limit_pulls, remember_hourglass
 
    !> Largest force of a tile that flows, over its equivalent stress times the edge of a square of
    !> its area.
@@ -40,10 +40,35 @@ contains
                        2.0_wp + deformation(1, 1) + deformation(2, 2))
          model%tiling%pull(:, p) = cos(angle)*pull + sin(angle)*[-pull(2), pull(1)]
          model%tiling%largest_pull(p) = huge(1.0_wp)
-         if (model%points%has_flowed(p)) model%tiling%largest_pull(p) = cap_share &
-            *equivalent_stress(model%points%trial%kirchhoff_stress(:, p))*sqrt(map%area(p))
+         if (model%points%has_flowed(p)) model%tiling%largest_pull(p) = &
+            pull_in_flow(model%points%trial%kirchhoff_stress(:, p), map%area(p))
       end do
    end subroutine remember_hourglass
+
+   !> New tiles of what flowed pull no harder than the old ones.
+   pure subroutine limit_pulls(model)
+      !> Scene with new tiles.
+      type(model_type), intent(inout) :: model
+      real(wp) :: gradient(2, 4), area
+      integer :: p
+
+      if (.not. allocated(model%tiling%pull)) return
+      do p = 1, model%points%n_points
+         if (.not. model%points%has_flowed(p)) cycle
+         call corner_gradients(values_at(model%tiling%corner(:, p), model%tiling%position), &
+                               gradient, area)
+         model%tiling%largest_pull(p) = &
+            pull_in_flow(model%points%converged%kirchhoff_stress(:, p), area)
+      end do
+   end subroutine limit_pulls
+
+   !> Largest force of a tile that flows, from its stress and area.
+   pure function pull_in_flow(stress, area) result(pull)
+      real(wp), intent(in) :: stress(4), area
+      real(wp) :: pull
+
+      pull = cap_share*equivalent_stress(stress)*sqrt(area)
+   end function pull_in_flow
 
    !> Force that stands on the vertices with the shares of a vector, and its derivative by the
    !> amplitude of the mode in the increments; nothing for affine increments: k Gamma.x with the

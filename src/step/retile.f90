@@ -26,6 +26,7 @@ module coulter_step_retile
    use coulter_step_bonds, only: carry_bonds
    use coulter_step_contact_state, only: whole_motion
    use coulter_step_contact_transfer, only: carry_contacts
+   use coulter_step_hourglass, only: limit_pulls
    use coulter_step_meetings, only: do_overlap, join_surfaces, report_joints
    use coulter_step_parting, only: report_parting
    use coulter_step_system, only: system_type
@@ -139,10 +140,7 @@ contains
       call transfer_points(points, tiling, owner, model%points, model%tiling, &
                            model%grid%smallest_spacing())
       if (allocated(model%tiling%patch)) call group_tiles(tiling, points, model%grid, model%bodies)
-      if (allocated(model%points%has_flowed)) then
-         allocate (points%has_flowed(points%n_points), source=.false.)
-         call remember_pulls(tiling)
-      end if
+      if (allocated(points%has_flowed)) call remember_pulls(tiling)
       call find_stresses(model, points, has_failed)
       if (has_failed) return
       call carry_held_edges(held, tiling, system%held_edges, model%tiling)
@@ -153,6 +151,7 @@ contains
       old_tiling = model%tiling
       model%tiling = tiling
       model%points = points
+      call limit_pulls(model)
       call carry_contacts(system, model, old_tiling)
       system%way_since_tiling = 0.0_wp
    end subroutine retile_model
