@@ -16,9 +16,10 @@ module coulter_boundary_open_end
    real(wp), parameter :: shortest = 4.0_wp
    !> Soil goes round corners between faces whose normals have a larger product, without parting.
    real(wp), parameter :: bluntest = 0.7_wp
-   !> The tool advances against the face by more than this share of its way, and what is ahead comes
-   !> along neither face towards the corner by more than the second share.
-   real(wp), parameter :: least_advance = 0.1_wp, most_along = 0.1_wp
+   !> The tool advances against the face by more than this share of its way, against the next one by
+   !> less than the second share of that, and what is ahead comes along neither face towards the
+   !> corner by more than the third share of the way.
+   real(wp), parameter :: least_advance = 0.1_wp, most_shared = 0.5_wp, most_along = 0.1_wp
    !> A body rests on a face if corners are this near to it, over the spacing, at this distance from
    !> the end, over the spacing, or, under short faces, this share of their length.
    real(wp), parameter :: near = 0.1_wp, covered = 2.0_wp, covered_share = 0.45_wp
@@ -50,7 +51,7 @@ contains
       ! nothing parts where all is elastic
       answer = allocated(tiling%pull) .and. .not. abs(tool%bulge(segment)) > 0.0_wp &
          .and. length >= shortest .and. dot_product(normal(:, 1), normal(:, 2)) < bluntest &
-         .and. parts_here(tool, normal(:, 1), inward)
+         .and. parts_here(tool, normal, inward)
       if (.not. answer) return
       rests = .false.
       goes_on = .false.
@@ -66,17 +67,18 @@ contains
       answer = rests .and. goes_on
    end function ends_openly
 
-   !> Does the tool go against a face, and part at its end what is before it?
+   !> Does the tool go against a face, hardly against the next one, and part what is before it?
    pure function parts_here(tool, normal, inward) result(answer)
       type(boundary_type), intent(in) :: tool
-      real(wp), intent(in) :: normal(2), inward(2, 2)
+      real(wp), intent(in) :: normal(2, 2), inward(2, 2)
       logical :: answer
-      real(wp) :: way(2)
+      real(wp) :: way(2), advance(2)
 
       way = tool%heading
       if (.not. any(abs(way) > 0.0_wp)) way = tool%displacement
       if (.not. any(abs(way) > 0.0_wp)) way = tool%load
-      answer = dot_product(way, normal) > least_advance*norm2(way) &
+      advance = matmul(way, normal)
+      answer = advance(1) > least_advance*norm2(way) .and. advance(2) < most_shared*advance(1) &
          .and. maxval(matmul(way, inward)) < most_along*norm2(way)
    end function parts_here
 
