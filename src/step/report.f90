@@ -74,7 +74,7 @@ contains
       call sum_fixity_reactions(report, model, system)
       report%imbalance = report%body_force + sum(report%boundary_reactions, dim=2) &
          + sum(report%fixity_reactions, dim=2)
-      call measure_penetrations(report, model)
+      call measure_penetrations(report, model, system%contacts)
       call report_contacts(report, model, system)
       if (allocated(model%tiling)) then
          call measure_quality(model%tiling, report%worst_corner, report%worst_aspect)
