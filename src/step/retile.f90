@@ -152,6 +152,8 @@ contains
       model%tiling = tiling
       model%points = points
       call limit_pulls(model)
+      ! what else hangs on flow begins anew: sand that drops its contacts finds no balance otherwise
+      if (allocated(model%points%has_flowed)) model%points%has_flowed = .false.
       call carry_contacts(system, model, old_tiling)
       system%way_since_tiling = 0.0_wp
    end subroutine retile_model
