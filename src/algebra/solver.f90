@@ -42,6 +42,7 @@ module coulter_algebra_solver
       procedure :: analyse
       procedure :: factorise
       procedure :: refresh
+      procedure :: is_reusable
       procedure :: solve
       procedure :: release
    end type solver_type
@@ -122,6 +123,14 @@ contains
       has_failed = .false.
       if (self%is_worn) call self%factorise(pattern, values, has_failed)
    end subroutine refresh
+
+   !> May the last matrix be solved with once more?
+   pure function is_reusable(self) result(answer)
+      class(solver_type), intent(in) :: self
+      logical :: answer
+
+      answer = .not. self%is_worn
+   end function is_reusable
 
    !> Solve A x = b and check the answer.
    subroutine solve(self, pattern, values, b, x, has_failed, tolerance)

@@ -100,9 +100,11 @@ contains
    end function motion_near
 
    !> Keep the motion of a step that has been accepted.
-   pure subroutine remember_motion(system)
+   pure subroutine remember_motion(system, residuals)
       !> System in equilibrium.
       type(system_type), intent(inout) :: system
+      !> Relative residuals of the iteration.
+      real(wp), intent(in) :: residuals(:)
 
       if (.not. allocated(system%last_motion)) allocate (system%last_motion)
       associate (last => system%last_motion)
@@ -110,6 +112,7 @@ contains
          last%increment = system%increment
          last%duration = system%end_time - system%start_time
          last%free = free_motions(system%border)
+         last%residuals = residuals
       end associate
    end subroutine remember_motion
 

@@ -11,7 +11,7 @@ module coulter_step_iterate
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
-   public :: newton_type, evaluate, evaluate_again, measure, balance
+   public :: newton_type, evaluate, evaluate_again, measure, balance, is_tangent_good_enough
 
    !> How the iteration goes.
    type :: newton_type
@@ -41,6 +41,9 @@ module coulter_step_iterate
       real(wp), allocatable :: norms(:)
    end type newton_type
 
+   !> How many times slower than expected an old tangent may be.
+   real(wp), parameter :: margin = 10.0_wp
+
 contains
 
    !> Forces and tangent at given unknowns; no tangent if the iteration should end there.
@@ -54,7 +57,7 @@ contains
       !> Displacement increments, length units, shape (n_dofs).
       real(wp), intent(in) :: unknowns(:)
 
-      system%needs_tangent = .not. expects_end(newton, model)
+      system%needs_tangent = .not. (expects_end(newton, model) .or. went_well(newton, system, model))
       call expand(system%dofs, unknowns(:system%dofs%n_dofs), system%increment)
       call set_motion(system%border, unknowns(system%dofs%n_dofs + 1:))
       call evaluate_again(newton, system, model)
@@ -76,8 +79,8 @@ contains
          //to_text(model%points%position(:, failed_point))//")"//system%verdict_text()
    end subroutine evaluate_again
 
-   !> Will the next residual be small enough, if the convergence is quadratic? Then the tangent will
-   !> not be needed.
+   !> Will the next residual be small enough, if the convergence is as before or quadratic? Then the
+   !> tangent will not be needed.
    pure function expects_end(newton, model) result(answer)
       type(newton_type), intent(in) :: newton
       type(model_type), intent(in) :: model
@@ -85,10 +88,43 @@ contains
       integer :: n
 
       n = size(newton%residuals)
-      answer = n > 2
-      if (answer) answer = newton%residuals(n)**3 &
+      answer = is_tangent_good_enough(newton%residuals, model%control%tolerance)
+      if (n > 2 .and. .not. answer) answer = newton%residuals(n)**3 &
          < model%control%tolerance*newton%residuals(n - 1)**2
    end function expects_end
+
+   !> Will the tangent at hand most likely do for the correction after the next one? It would have in
+   !> the last step.
+   pure function went_well(newton, system, model) result(answer)
+      type(newton_type), intent(in) :: newton
+      type(system_type), intent(in) :: system
+      type(model_type), intent(in) :: model
+      logical :: answer
+      integer :: n
+
+      n = size(newton%residuals) + 1
+      answer = n > 1 .and. allocated(system%last_motion) .and. system%border%n == 0
+      if (answer) answer = n <= size(system%last_motion%residuals) &
+         .and. system%solver%is_reusable()
+      if (answer) answer = is_tangent_good_enough(system%last_motion%residuals(:n), &
+                                                  model%control%tolerance)
+   end function went_well
+
+   !> Would a correction from the tangent before the last residual end the iteration? Its residuals
+   !> fall at least as fast as the last one did, and a margin is kept. A first residual above 1 is
+   !> that of penalties and tells nothing.
+   pure function is_tangent_good_enough(residuals, tolerance) result(answer)
+      !> Relative residuals so far.
+      real(wp), intent(in) :: residuals(:)
+      !> Relative residual that ends the iteration.
+      real(wp), intent(in) :: tolerance
+      logical :: answer
+      integer :: n
+
+      n = size(residuals)
+      answer = n > 1
+      if (answer) answer = margin*residuals(n)**2 <= tolerance*min(residuals(n - 1), 1.0_wp)
+   end function is_tangent_good_enough
 
    !> Residuals relative to the internal or external force as it is now; 1 while both vanish.
    !> Penalty forces are left out of the reference: they would hide everything else (theory, section

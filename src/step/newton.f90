@@ -9,7 +9,8 @@ module coulter_step_newton
    use coulter_step_border_solve, only: solve_bordered
    use coulter_step_contact_state, only: augment_contacts
    use coulter_step_guess, only: guess_motion
-   use coulter_step_iterate, only: evaluate, evaluate_again, measure, newton_type
+   use coulter_step_iterate, only: evaluate, evaluate_again, is_tangent_good_enough, measure, &
+      newton_type
    use coulter_step_landing, only: land_free_tools
    use coulter_step_line_search, only: advance
    use coulter_step_system, only: system_type
@@ -218,18 +219,35 @@ contains
       type(model_type), intent(in) :: model
 
       if (.not. system%needs_tangent) then
+         if (serves_again(newton, system, model)) then
+            call solve_tangent(newton, system, model, is_old=.true.)
+            if (.not. allocated(newton%failure)) return
+            deallocate (newton%failure)
+         end if
          system%needs_tangent = .true.
          call evaluate_again(newton, system, model)
          if (allocated(newton%failure)) return
       end if
-      call solve_tangent(newton, system, model)
+      call solve_tangent(newton, system, model, is_old=.false.)
       if (.not. is_too_soft(newton)) return
       if (allocated(newton%failure)) deallocate (newton%failure)
       system%stiffening = mending_share
       call evaluate_again(newton, system, model)
       system%stiffening = 0.0_wp
-      if (.not. allocated(newton%failure)) call solve_tangent(newton, system, model)
+      if (.not. allocated(newton%failure)) call solve_tangent(newton, system, model, is_old=.false.)
    end subroutine find_correction
+
+   !> Is the tangent of the last correction good enough for another one?
+   function serves_again(newton, system, model) result(answer)
+      type(newton_type), intent(in) :: newton
+      type(system_type), intent(in) :: system
+      type(model_type), intent(in) :: model
+      logical :: answer
+
+      answer = newton%n_iterations > 0 .and. system%border%n == 0 &
+         .and. system%solver%is_reusable()
+      if (answer) answer = is_tangent_good_enough(newton%residuals, model%control%tolerance)
+   end function serves_again
 
    !> Is a plastic tangent too soft, or not even positive, on the way that it proposes? Where
    !> material flows all the way through a body little holds that back, and less without associated
@@ -246,18 +264,22 @@ contains
    end function is_too_soft
 
    !> Tangent times correction = - residual.
-   subroutine solve_tangent(newton, system, model)
+   subroutine solve_tangent(newton, system, model, is_old)
       type(newton_type), intent(inout) :: newton
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
+      !> Is it the tangent that was solved with last?
+      logical, intent(in) :: is_old
       logical :: has_failed
 
+      has_failed = .false.
       call system%watch%start(phase_factorise)
-      call system%solver%refresh(system%pattern, system%values, has_failed)
+      if (.not. is_old) call system%solver%refresh(system%pattern, system%values, has_failed)
       call system%watch%start(phase_solve)
       if (.not. has_failed) call solve_bordered(system%border, system%solver, system%pattern, &
                                                 system%values, system%dofs, newton%unbalanced, &
-                                                newton%correction, has_failed, forcing(newton))
+                                                newton%correction, has_failed, &
+                                                forcing(newton, model%control%tolerance))
       call system%watch%stop()
       if (.not. has_failed) has_failed = maxval(abs(newton%correction)) &
          > largest_motion*maxval(model%grid%upper_corner() - model%grid%origin)
@@ -273,13 +295,18 @@ contains
    end subroutine solve_tangent
 
    !> Error that a correction may have: in proportion to the residual, so that the convergence stays
-   !> quadratic (Eisenstat, S. C. and Walker, H. F. (1996), SIAM J. Sci. Comput. 17, 16-32). The
-   !> first correction is the largest by far: its error can turn tiles inside out.
-   pure function forcing(newton) result(error)
+   !> quadratic (Eisenstat, S. C. and Walker, H. F. (1996), SIAM J. Sci. Comput. 17, 16-32), and not
+   !> smaller than what ends the iteration. The first correction is the largest by far: its error can
+   !> turn tiles inside out.
+   pure function forcing(newton, tolerance) result(error)
       type(newton_type), intent(in) :: newton
+      !> Relative residual that ends the iteration.
+      real(wp), intent(in) :: tolerance
       real(wp) :: error
 
-      error = 1.0e-3_wp*newton%residuals(size(newton%residuals))
+      associate (residual => newton%residuals(size(newton%residuals)))
+         error = max(1.0e-3_wp*residual, 1.0e-6_wp*tolerance/residual)
+      end associate
       error = min(max(error, smallest_forcing), largest_forcing)
       if (newton%n_iterations == 0) error = first_forcing
    end function forcing

@@ -64,7 +64,9 @@ contains
       if (allocated(model%tiling)) call find_meetings(system, model, failure)
       if (.not. allocated(failure)) call accept_step(model, system, failure)
       if (.not. allocated(failure)) then
-         if (allocated(model%tiling) .and. .not. is_settling(system)) call remember_motion(system)
+         if (allocated(model%tiling) .and. .not. is_settling(system)) then
+            call remember_motion(system, newton%residuals)
+         end if
          call report_step(report, model, system, newton)
          if (allocated(model%tiling)) call retile_if_distorted(model, system, report)
       end if

@@ -34,6 +34,8 @@ module coulter_step_system
       real(wp) :: duration = 0.0_wp
       !> Free motions of tools, length units, shape (border%n).
       real(wp), allocatable :: free(:)
+      !> Relative residuals of the iteration that found it.
+      real(wp), allocatable :: residuals(:)
    end type motion_memory_type
 
    !> Everything that lives for one step, and what is kept from step to step because it may not
