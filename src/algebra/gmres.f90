@@ -3,13 +3,22 @@
 !> 7, 856-869).
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_algebra_gmres
-   use, intrinsic :: iso_c_binding, only: c_ptr
+   use, intrinsic :: iso_c_binding, only: c_null_ptr, c_ptr
    use coulter_algebra_cholesky, only: cholesky_solve
+   use coulter_algebra_skew, only: multiply_skew, skew_type
    use coulter_algebra_sparse, only: multiply, pattern_type
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: solve_gmres
+   public :: preconditioner_type, solve_gmres
+
+   !> A matrix close to A.
+   type :: preconditioner_type
+      !> Its Cholesky factor.
+      type(c_ptr) :: factor = c_null_ptr
+      !> What A has beyond it; unallocated unless it is the symmetric part of A.
+      type(skew_type), allocatable :: rest
+   end type preconditioner_type
 
    !> Iterations after which the rate of convergence is judged.
    integer, parameter :: telling_iterations = 4
@@ -18,9 +27,9 @@ contains
 
    !> Solve A x = b with left preconditioning: the residual that is measured is close to the error
    !> of x, whatever penalties weigh in A.
-   subroutine solve_gmres(factor, pattern, values, b, tolerance, x, n_iterations)
-      !> Cholesky factor of a matrix close to A.
-      type(c_ptr), intent(in) :: factor
+   subroutine solve_gmres(preconditioner, pattern, values, b, tolerance, x, n_iterations)
+      !> A matrix close to A.
+      type(preconditioner_type), intent(in) :: preconditioner
       !> Pattern of A.
       type(pattern_type), intent(in) :: pattern
       !> Values of A, shape (n_entries).
@@ -35,14 +44,15 @@ contains
       integer, intent(inout) :: n_iterations
       real(wp), allocatable :: basis(:, :)
       real(wp) :: hessenberg(n_iterations + 1, n_iterations), rotation(2, n_iterations)
-      real(wp) :: right(n_iterations + 1), share(n_iterations), start, product(size(b))
+      real(wp) :: right(n_iterations + 1), share(n_iterations), start
       integer :: k, most
+      logical :: has_failed
 
       most = n_iterations
       n_iterations = 0
       x = 0.0_wp
       allocate (basis(size(b), most + 1))
-      if (cholesky_solve(factor, b, basis(:, 1)) /= 0) return
+      if (cholesky_solve(preconditioner%factor, b, basis(:, 1)) /= 0) return
       start = norm2(basis(:, 1))
       if (start <= 0.0_wp) n_iterations = 1
       if (.not. start > 0.0_wp) return
@@ -50,8 +60,8 @@ contains
       right(1) = start
       basis(:, 1) = basis(:, 1)/start
       do k = 1, most
-         call multiply(pattern, values, basis(:, k), product)
-         if (cholesky_solve(factor, product, basis(:, k + 1)) /= 0) return
+         call apply(preconditioner, pattern, values, basis(:, k:k + 1), has_failed)
+         if (has_failed) return
          call orthogonalise(basis(:, :k + 1), hessenberg(:k + 1, k))
          call rotate(hessenberg(:k + 1, k), rotation(:, :k), right(k:k + 1))
          if (abs(right(k + 1)) <= tolerance*start) exit
@@ -62,6 +72,25 @@ contains
       call solve_triangle(hessenberg(:k, :k), right(:k), share(:k))
       x = matmul(basis(:, :k), share(:k))
    end subroutine solve_gmres
+
+   !> Preconditioned matrix times vector.
+   subroutine apply(preconditioner, pattern, values, pair, has_failed)
+      type(preconditioner_type), intent(in) :: preconditioner
+      type(pattern_type), intent(in) :: pattern
+      real(wp), intent(in) :: values(:)
+      !> The vector, and the product.
+      real(wp), intent(inout) :: pair(:, :)
+      logical, intent(out) :: has_failed
+      real(wp) :: product(size(pair, 1))
+
+      if (allocated(preconditioner%rest)) then
+         call multiply_skew(preconditioner%rest, pair(:, 1), product)
+      else
+         call multiply(pattern, values, pair(:, 1), product)
+      end if
+      has_failed = cholesky_solve(preconditioner%factor, product, pair(:, 2)) /= 0
+      if (allocated(preconditioner%rest)) pair(:, 2) = pair(:, 2) + pair(:, 1)
+   end subroutine apply
 
    !> Would `most` iterations at the mean rate of the first `k` not be enough? A few iterations say
    !> nothing yet.

@@ -6,11 +6,12 @@
 !> not enough, LU takes over. A Cholesky factor also serves for later matrices that hardly differ.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_algebra_solver
-   use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_null_ptr, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_null_ptr
    use coulter_algebra_cholesky, only: cholesky_bytes, cholesky_factorise, cholesky_free, &
       cholesky_intensity, cholesky_new, cholesky_pivot_ratio, cholesky_solve
-   use coulter_algebra_gmres, only: solve_gmres
+   use coulter_algebra_gmres, only: preconditioner_type, solve_gmres
    use coulter_algebra_lu, only: is_accurate, lu_type
+   use coulter_algebra_skew, only: find_skew_part
    use coulter_algebra_sparse, only: find_mirror, pattern_type
    use coulter_base_kinds, only: long, wp
    implicit none(type, external)
@@ -29,7 +30,8 @@ module coulter_algebra_solver
       real(wp) :: pivot_ratio = 0.0_wp
       !> Numeric factorisations since the last analysis.
       integer :: n_factorisations = 0
-      type(c_ptr), private :: cholesky = c_null_ptr
+      !> Cholesky factor of the matrix at hand, or of a former one.
+      type(preconditioner_type), private :: near
       type(lu_type), private :: lu
       logical, private :: is_lu_analysed = .false., is_lu_factorised = .false.
       logical, private :: is_symmetric = .false.
@@ -38,6 +40,8 @@ module coulter_algebra_solver
       !> Iterations that cost as much as a factorisation.
       integer, private :: worth = 0
       integer, allocatable, private :: order(:)
+      !> Mirrored place of every entry, see `find_mirror`.
+      integer, allocatable, private :: mirror(:)
    contains
       procedure :: analyse
       procedure :: factorise
@@ -79,7 +83,7 @@ contains
       self%n_factorisations = 0
       has_failed = .false.
       if (.not. self%is_lu_only) call analyse_cholesky(self, pattern)
-      if (.not. c_associated(self%cholesky)) call analyse_lu(self, pattern, has_failed)
+      if (.not. c_associated(self%near%factor)) call analyse_lu(self, pattern, has_failed)
    end subroutine analyse
 
    !> Numeric factorisation of the analysed pattern.
@@ -96,11 +100,13 @@ contains
 
       self%is_lu_factorised = .false.
       status = 1
-      if (c_associated(self%cholesky)) then
-         status = cholesky_factorise(self%cholesky, values, skewness)
+      if (c_associated(self%near%factor)) then
+         status = cholesky_factorise(self%near%factor, values, skewness)
          self%is_symmetric = skewness <= symmetry_tolerance
-         self%factor_memory = cholesky_bytes(self%cholesky)
-         if (status == 0) self%pivot_ratio = cholesky_pivot_ratio(self%cholesky)
+         self%factor_memory = cholesky_bytes(self%near%factor)
+         if (status == 0) self%pivot_ratio = cholesky_pivot_ratio(self%near%factor)
+         if (.not. allocated(self%near%rest)) allocate (self%near%rest)
+         if (.not. self%is_symmetric) call find_skew_part(self%near%rest, pattern, self%mirror, values)
       end if
       has_failed = .false.
       if (status /= 0) call factorise_lu(self, pattern, values, has_failed)
@@ -120,6 +126,7 @@ contains
       logical, intent(out) :: has_failed
 
       self%is_current = .false.
+      if (allocated(self%near%rest)) deallocate (self%near%rest)
       has_failed = .false.
       if (self%is_worn) call self%factorise(pattern, values, has_failed)
    end subroutine refresh
@@ -159,7 +166,7 @@ contains
       end if
       if (.not. self%is_lu_factorised) then
          if (self%is_symmetric) then
-            has_failed = cholesky_solve(self%cholesky, b, x) /= 0
+            has_failed = cholesky_solve(self%near%factor, b, x) /= 0
             if (.not. has_failed) has_failed = .not. is_accurate(pattern, values, b, x)
          else
             call iterate(self, pattern, values, b, accepted, x, has_failed)
@@ -183,7 +190,7 @@ contains
 
       n_iterations = most_iterations
       if (.not. self%is_current) n_iterations = min(n_iterations, 2*self%worth)
-      call solve_gmres(self%cholesky, pattern, values, b, tolerance, x, n_iterations)
+      call solve_gmres(self%near, pattern, values, b, tolerance, x, n_iterations)
       has_failed = n_iterations == 0
       if (.not. self%is_current) self%is_worn = has_failed .or. n_iterations > self%worth
    end subroutine iterate
@@ -192,8 +199,8 @@ contains
    subroutine release(self)
       class(solver_type), intent(inout) :: self
 
-      if (c_associated(self%cholesky)) call cholesky_free(self%cholesky)
-      self%cholesky = c_null_ptr
+      if (c_associated(self%near%factor)) call cholesky_free(self%near%factor)
+      self%near%factor = c_null_ptr
       call self%lu%release()
       self%is_lu_analysed = .false.
       self%is_lu_factorised = .false.
@@ -204,19 +211,19 @@ contains
    subroutine analyse_cholesky(self, pattern)
       type(solver_type), intent(inout) :: self
       type(pattern_type), intent(in) :: pattern
-      integer, allocatable :: mirror(:)
 
       if (pattern%n == 0) return
-      call find_mirror(pattern, mirror)
-      if (size(mirror) == 0) return
+      call find_mirror(pattern, self%mirror)
+      if (size(self%mirror) == 0) return
       if (size(self%order) == pattern%n) then
-         self%cholesky = cholesky_new(pattern%n, pattern%column_start, pattern%row, mirror, &
-                                      self%order)
+         self%near%factor = cholesky_new(pattern%n, pattern%column_start, pattern%row, &
+                                        self%mirror, self%order)
       else
-         self%cholesky = cholesky_new(pattern%n, pattern%column_start, pattern%row, mirror)
+         self%near%factor = cholesky_new(pattern%n, pattern%column_start, pattern%row, &
+                                        self%mirror)
       end if
-      if (c_associated(self%cholesky)) then
-         self%worth = max(4, nint(cholesky_intensity(self%cholesky)/operations_per_entry))
+      if (c_associated(self%near%factor)) then
+         self%worth = max(4, nint(cholesky_intensity(self%near%factor)/operations_per_entry))
       end if
    end subroutine analyse_cholesky
 
