@@ -91,25 +91,6 @@ static int *find_order(cholesky *self, const cholmod_sparse *pattern)
    return NULL;
 }
 
-/* Find order and pattern of the factor. */
-static int analyse(cholesky *self, cholmod_sparse *pattern, const int *order)
-{
-   int levels = forbid_threads();
-   cholmod_start(&self->common);
-   self->common.print = 0;
-   self->common.supernodal = CHOLMOD_SUPERNODAL; /* simplicial LDL' passes over indefiniteness */
-   self->common.nmethods = 1;
-   self->common.method[0].ordering = CHOLMOD_GIVEN;
-   self->common.postorder = 1;
-   int *found = order ? NULL : find_order(self, pattern);
-   if (order || found) {
-      self->factor = cholmod_analyze_p(pattern, order ? (int *)order : found, NULL, 0, &self->common);
-   }
-   free(found);
-   omp_set_max_active_levels(levels);
-   return self->factor != NULL;
-}
-
 /* Room for the permuted triangle and vectors. */
 static int make_room(cholesky *self, size_t n, size_t n_entries)
 {
@@ -127,13 +108,13 @@ static int make_room(cholesky *self, size_t n, size_t n_entries)
       && self->entry[1] && self->right && self->work;
 }
 
-/* Lower triangle in the order of the factor, and where its values come from. The factor's work
- * space holds the inverse order. */
-static void permute(cholesky *self, const int *column_start, const int *row, const int *mirror)
+/* Lower triangle in an elimination order, and where its values come from. */
+static void permute(cholesky *self, const int *order, const int *column_start, const int *row,
+                    const int *mirror)
 {
    int n = (int)self->matrix.ncol, *place = self->common.Iwork;
    int *start = self->matrix.p, *index = self->matrix.i;
-   memcpy(self->order, self->factor->Perm, n * sizeof(int));
+   memcpy(self->order, order, n * sizeof(int));
    for (int k = 0; k < n; k++) place[self->order[k]] = k;
    for (int j = 0; j < n; j++)
       for (int k = column_start[j]; k < column_start[j + 1]; k++)
@@ -148,7 +129,30 @@ static void permute(cholesky *self, const int *column_start, const int *row, con
          self->entry[1][next++] = mirror[k] - 1;
       }
    }
-   self->factor->ordering = CHOLMOD_NATURAL;
+   self->matrix.nzmax = start[n];
+}
+
+/* Find order and pattern of the factor. Minimum degree leaves the tree of columns in postorder, so
+ * that the matrix can be permuted first; an order that is given becomes so while it is analysed. */
+static int analyse(cholesky *self, cholmod_sparse *pattern, const int *mirror, const int *order)
+{
+   self->common.supernodal = CHOLMOD_SUPERNODAL; /* simplicial LDL' passes over indefiniteness */
+   self->common.nmethods = 1;
+   self->common.method[0].ordering = order ? CHOLMOD_GIVEN : CHOLMOD_NATURAL;
+   self->common.postorder = order != NULL;
+   if (order) {
+      self->factor = cholmod_analyze_p(pattern, (int *)order, NULL, 0, &self->common);
+      if (!self->factor) return 0;
+      permute(self, self->factor->Perm, pattern->p, pattern->i, mirror);
+      self->factor->ordering = CHOLMOD_NATURAL;
+   } else {
+      int *found = find_order(self, pattern);
+      if (!found) return 0;
+      permute(self, found, pattern->p, pattern->i, mirror);
+      free(found);
+      self->factor = cholmod_analyze(&self->matrix, &self->common);
+   }
+   return self->factor != NULL;
 }
 
 /* Analyse a symmetric pattern in compressed columns, zero-based, rows ascending, with the mirrored
@@ -163,15 +167,15 @@ cholesky *coulter_cholesky_new(int n, const int *column_start, const int *row, c
       .nrow = n, .ncol = n, .nzmax = n_entries, .stype = -1, .itype = CHOLMOD_INT,
       .xtype = CHOLMOD_PATTERN, .dtype = CHOLMOD_DOUBLE, .sorted = 1, .packed = 1,
       .p = (int *)column_start, .i = (int *)row};
-   int is_done = analyse(self, &pattern, order) && make_room(self, n, (n_entries + n + 1) / 2)
-      && cholmod_allocate_work(0, n, 0, &self->common);
-   if (!is_done) {
-      coulter_cholesky_free(self);
-      return NULL;
-   }
-   permute(self, column_start, row, mirror);
-   self->matrix.nzmax = ((int *)self->matrix.p)[n];
-   return self;
+   int levels = forbid_threads();
+   cholmod_start(&self->common);
+   self->common.print = 0;
+   int is_done = make_room(self, n, (n_entries + n + 1) / 2)
+      && cholmod_allocate_work(0, n, 0, &self->common) && analyse(self, &pattern, mirror, order);
+   omp_set_max_active_levels(levels);
+   if (is_done) return self;
+   coulter_cholesky_free(self);
+   return NULL;
 }
 
 /* Gather the symmetric part of a matrix in permuted order: half the largest difference of mirrored

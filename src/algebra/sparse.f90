@@ -5,7 +5,7 @@ module coulter_algebra_sparse
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: element_dofs_type, pattern_type, add_element_matrix, add_blocks, &
+   public :: element_dofs_type, pattern_type, add_element_matrix, add_blocks, add_twice, &
       multiply, find_mirror, joined
 
    !> The unknowns that every element couples, in ragged rows.
@@ -125,6 +125,53 @@ contains
          end do
       end do
    end subroutine add_pairs
+
+   !> Add the matrix of one component to both components of the pairs of a square element.
+   pure subroutine add_twice(pattern, element, n, matrix, values)
+      !> Pattern with the scatter map.
+      type(pattern_type), intent(in) :: pattern
+      !> Number of the element, and of its pairs.
+      integer, intent(in) :: element, n
+      !> Matrix of one component.
+      real(wp), intent(in) :: matrix(n, n)
+      !> Values of the sparse matrix, shape (n_entries).
+      real(wp), intent(inout) :: values(:)
+      integer :: first, a, b, entry, beside
+
+      first = pattern%slot_start(element) - 1
+      if (pattern%slot_start(element + 1) - first - 1 > n*n) then
+         call add_element_matrix(pattern, element, on_both(matrix), values)
+         return
+      end if
+      do b = 1, n
+         entry = pattern%slot(first + b + n*(b - 1))
+         if (entry == 0) cycle
+         beside = column_length(pattern, entry)
+         do a = 1, n
+            entry = pattern%slot(first + a + n*(b - 1))
+            if (entry == 0) cycle
+            values(entry) = values(entry) + matrix(a, b)
+            values(entry + beside + 1) = values(entry + beside + 1) + matrix(a, b)
+         end do
+      end do
+   end subroutine add_twice
+
+   !> The matrix of one component on both, columns first; components do not mix.
+   pure function on_both(single) result(matrix)
+      real(wp), intent(in) :: single(:, :)
+      real(wp) :: matrix(4*size(single))
+      integer :: a, b, n, first
+
+      n = size(single, 1)
+      matrix = 0.0_wp
+      do b = 1, n
+         do a = 1, n
+            first = 2*a - 1 + 4*n*(b - 1)
+            matrix(first) = single(a, b)
+            matrix(first + 2*n + 1) = single(a, b)
+         end do
+      end do
+   end function on_both
 
    !> Number of rows of the column with a diagonal entry.
    pure function column_length(pattern, diagonal) result(n)

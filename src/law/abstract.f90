@@ -47,6 +47,8 @@ module coulter_law_abstract
       real(wp) :: deformation(2, 2) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
       !> Share of the elastic tangent that the method mixes into that of the law.
       real(wp) :: stiffening = 0.0_wp
+      !> Are moduli wanted, or the stress alone?
+      logical :: needs_moduli = .true.
       !> Where the points are; not associated when no law asks, or nobody knows.
       type(law_sites_type), pointer :: sites => null()
       !> Where a law that fails may say why; not associated when nobody asks.

@@ -90,6 +90,10 @@ contains
             high = min(low + 2*width, size(order) + 1)
             i = low
             j = middle
+            if (is_sorted(middle)) then
+               merged(low:high - 1) = order(low:high - 1)
+               cycle
+            end if
             do k = low, high - 1
                if (takes_left(i, j)) then
                   merged(k) = order(i)
@@ -105,6 +109,15 @@ contains
       end do
 
    contains
+
+      !> Are both halves in order as they stand, as those of places that come row by row often are?
+      pure function is_sorted(middle) result(answer)
+         integer, intent(in) :: middle
+         logical :: answer
+
+         answer = middle > size(order)
+         if (.not. answer) answer = key(order(middle - 1)) <= key(order(middle))
+      end function is_sorted
 
       !> Does the next number come from the left half?
       pure function takes_left(i, j) result(answer)

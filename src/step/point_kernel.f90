@@ -94,6 +94,7 @@ contains
       has_failed = answer%has_failed
       if (has_failed) return
       response%stress = answer%stress
+      if (.not. visit%needs_moduli) return
       if (visit%stiffening > 0.0_wp .and. .not. law%is_elastic) then
          call stiffen(law, visit%stiffening, law_state, answer)
       end if

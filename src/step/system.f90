@@ -174,6 +174,7 @@ contains
       visit%sites => self%sites
       visit%verdict => self%verdict
       visit%stiffening = self%stiffening
+      visit%needs_moduli = self%needs_tangent
    end function visit
 
    !> Before laws are asked: none has failed.

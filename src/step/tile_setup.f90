@@ -1,7 +1,7 @@
 !> Setting up the system of a step for bodies whose domains tile them.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_tile_setup
-   use coulter_algebra_sparse, only: add_element_matrix, joined
+   use coulter_algebra_sparse, only: add_twice, joined
    use coulter_base_kinds, only: wp
    use coulter_base_tensor, only: equivalent_stress
    use coulter_boundary, only: formulation_augmented
@@ -238,30 +238,11 @@ contains
       do f = 1, system%ghost%n_faces
          first = (faces%elements%start(f) + 1)/2
          last = (faces%elements%start(f + 1) - 1)/2
-         call add_element_matrix(system%pattern, system%stars%elements%n_elements + f, &
-                                 face_matrix(system%ghost_stiffness(f) &
-                                             *ghost_matrix(faces%share(:, first:last))), &
-                                 system%ghost_values)
+         call add_twice(system%pattern, system%stars%elements%n_elements + f, last - first + 1, &
+                        system%ghost_stiffness(f)*ghost_matrix(faces%share(:, first:last)), &
+                        system%ghost_values)
       end do
    end subroutine set_ghost_values
-
-   !> Matrix of a face, columns first; components do not mix.
-   pure function face_matrix(single) result(matrix)
-      !> The matrix of one component.
-      real(wp), intent(in) :: single(:, :)
-      real(wp) :: matrix(4*size(single))
-      integer :: a, b, n, first
-
-      n = size(single, 1)
-      matrix = 0.0_wp
-      do b = 1, n
-         do a = 1, n
-            first = 2*a - 1 + 4*n*(b - 1)
-            matrix(first) = single(a, b)
-            matrix(first + 2*n + 1) = single(a, b)
-         end do
-      end do
-   end function face_matrix
 
    !> Share out the mass of the tiles to the nodes; only when there is a body force.
    subroutine gather_mass(system, model)
