@@ -41,8 +41,8 @@ module coulter_step_iterate
       real(wp), allocatable :: norms(:)
    end type newton_type
 
-   !> How many times slower than expected an old tangent may be.
-   real(wp), parameter :: margin = 10.0_wp
+   !> How many times larger than expected the residual of an old tangent may be: contacts may change.
+   real(wp), parameter :: margin = 1.0e4_wp
 
 contains
 
@@ -57,7 +57,8 @@ contains
       !> Displacement increments, length units, shape (n_dofs).
       real(wp), intent(in) :: unknowns(:)
 
-      system%needs_tangent = .not. (expects_end(newton, model) .or. went_well(newton, system, model))
+      system%needs_tangent = .not. (expects_end(newton, model) &
+                                    .or. went_well(newton, system, model))
       call expand(system%dofs, unknowns(:system%dofs%n_dofs), system%increment)
       call set_motion(system%border, unknowns(system%dofs%n_dofs + 1:))
       call evaluate_again(newton, system, model)

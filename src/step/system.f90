@@ -1,6 +1,7 @@
 !> The equilibrium system of one step: who takes part, the equations, and their solution.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_system
+   use, intrinsic :: iso_c_binding, only: c_int
    use coulter_algebra_solver, only: solver_type
    use coulter_algebra_pattern, only: build_pattern
    use coulter_algebra_sparse, only: element_dofs_type, pattern_type
@@ -203,7 +204,9 @@ contains
       if (allocated(self%verdict%message)) text = ": "//self%verdict%message
    end function verdict_text
 
-   !> Make pattern, scatter map and symbolic factorisation, unless those of the last step hold.
+   !> Make pattern, scatter map and symbolic factorisation, unless those of the last step hold. Other
+   !> elements may have the same pattern, as when tiles have moved a little: then the factor at hand
+   !> serves on, too.
    subroutine renew_pattern(system, elements, has_failed, order)
       !> System with numbered unknowns.
       type(system_type), intent(inout) :: system
@@ -214,12 +217,17 @@ contains
       !> Elimination order, zero-based, shape (n_dofs); the solver finds one if there is none.
       integer, intent(in), optional :: order(:)
       integer :: none(0)
+      integer(c_int), allocatable :: last_start(:), last_row(:)
 
       has_failed = .false.
       system%has_reused_pattern = are_equal(system%elements, elements)
       if (system%has_reused_pattern) return
       system%elements = elements
+      call move_alloc(system%pattern%column_start, last_start)
+      call move_alloc(system%pattern%row, last_row)
       call build_pattern(system%pattern, system%dofs%n_dofs, system%elements)
+      system%has_reused_pattern = has_entries(system%pattern, last_start, last_row)
+      if (system%has_reused_pattern) return
       if (allocated(system%values)) deallocate (system%values)
       allocate (system%values(system%pattern%n_entries))
       if (present(order)) then
@@ -228,7 +236,9 @@ contains
          call system%solver%analyse(system%pattern, none, has_failed)
       end if
       ! what could not be analysed must not be taken for known in the next attempt
-      if (has_failed) system%elements%n_elements = -1
+      if (.not. has_failed) return
+      system%elements%n_elements = -1
+      deallocate (system%pattern%row)
    end subroutine renew_pattern
 
    !> Bytes that the system occupies, factors included.
@@ -283,6 +293,19 @@ contains
       allocate (system%internal, system%boundary, system%external, system%dead_load, &
                 mold=system%increment)
    end subroutine make_room
+
+   !> Has a pattern these entries? None are unallocated.
+   pure function has_entries(pattern, column_start, row) result(answer)
+      type(pattern_type), intent(in) :: pattern
+      integer(c_int), allocatable, intent(in) :: column_start(:), row(:)
+      logical :: answer
+
+      answer = allocated(row)
+      if (answer) answer = size(column_start) == size(pattern%column_start) &
+         .and. size(row) == size(pattern%row)
+      if (answer) answer = all(column_start == pattern%column_start)
+      if (answer) answer = all(row == pattern%row)
+   end function has_entries
 
    !> Do two lists couple the same unknowns in the same elements?
    pure function are_equal(first, second) result(answer)
