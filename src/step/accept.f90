@@ -176,8 +176,10 @@ contains
          end associate
          failed_point = p
          if (has_failed) return
-         if (.not. (model%grid%contains_position(minval(increment, dim=2)) &
-                    .and. model%grid%contains_position(maxval(increment, dim=2)))) return
+         associate (x => increment(1, :), y => increment(2, :))
+            if (.not. model%grid%contains_position([minval(x), minval(y)])) return
+            if (.not. model%grid%contains_position([maxval(x), maxval(y)])) return
+         end associate
          moved(:, p) = tile_centroid(increment) - model%points%position(:, p)
       end do
       failed_point = 0

@@ -54,19 +54,20 @@ contains
       integer, intent(out) :: first_outside
       real(wp), allocatable :: samples(:, :)
       real(wp) :: inside(2, tiling%n_corners)
-      integer, allocatable :: index(:, :)
+      integer, allocatable :: index(:, :), of_corners(:, :)
       logical :: is_straddling(size(tiling%corner, 2))
       integer :: n
 
       n = tiling%n_corners
       call move_inside(tiling, inside)
-      allocate (index(2, n))
-      call find_cells(grid, inside, index, first_outside)
+      allocate (of_corners(2, n))
+      call find_cells(grid, inside, of_corners, first_outside)
       if (first_outside > 0) return
-      call find_straddling(tiling, index, is_straddling)
+      call find_straddling(tiling, of_corners, is_straddling)
       allocate (samples(2, n_samples**2*count(is_straddling)))
       call sample_tiles(tiling, is_straddling, samples)
-      index = reshape(index, [2, n + size(samples, 2)], pad=[0])
+      allocate (index(2, n + size(samples, 2)))
+      index(:, :n) = of_corners
       call find_cells(grid, samples, index(:, n + 1:), first_outside)
       if (first_outside > 0) return
       call number_cells(cells, grid, index)
@@ -74,7 +75,7 @@ contains
       call number_nodes(cells)
       call measure_tiles(map, tiling)
       call measure_fill(map, cells, grid, tiling, is_straddling, index)
-      call map_corners(map, cells, tiling, grid, index(:, :n))
+      call map_corners(map, cells, tiling, grid, of_corners)
       call measure_nodes(map, cells, tiling, grid)
    end subroutine map_tiles
 
