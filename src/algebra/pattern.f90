@@ -31,8 +31,10 @@ contains
 
       pattern%n = n
       call list_uses(uses, n, elements)
-      call collect_columns(pattern, elements, uses)
+      allocate (pattern%is_twin(n))
+      call find_twins(uses, pattern%is_twin)
       call find_paired(pattern, elements, is_paired)
+      call collect_columns(pattern, elements, uses, is_paired)
       call allocate_slots(pattern, elements, is_paired)
       do column = 1, n
          do k = pattern%column_start(column) + 1, pattern%column_start(column + 1)
@@ -43,22 +45,22 @@ contains
    end subroutine build_pattern
 
    !> Columns and rows of the pattern.
-   pure subroutine collect_columns(pattern, elements, uses)
+   pure subroutine collect_columns(pattern, elements, uses, is_paired)
       type(pattern_type), intent(inout) :: pattern
       type(element_dofs_type), intent(in) :: elements
       type(uses_type), intent(in) :: uses
+      logical, intent(in) :: is_paired(:)
       integer :: rows(pattern%n), last_column(pattern%n), column, n_rows
 
       associate (n => pattern%n)
-         allocate (pattern%column_start(n + 1), pattern%is_twin(n))
-         call find_twins(uses, pattern%is_twin)
-         allocate (pattern%row(64*n))
+         allocate (pattern%column_start(n + 1), pattern%row(64*n))
          last_column = 0
          n_rows = 0
          pattern%column_start(1) = 0
          do column = 1, n
             if (.not. pattern%is_twin(column)) then
-               call collect_rows(elements, uses, column, pattern%is_twin, last_column, rows, n_rows)
+               call collect_rows(elements, uses, is_paired, column, last_column, rows, n_rows)
+               call complete_rows(pattern%is_twin, rows, n_rows)
             end if
             call append_rows(pattern, column, rows(:n_rows))
          end do
@@ -85,12 +87,12 @@ contains
       end do
    end subroutine find_twins
 
-   !> Sorted unknowns that share an element with a column: the first of every pair, and then all.
-   pure subroutine collect_rows(elements, uses, column, is_twin, last_column, rows, n_rows)
+   !> Unknowns that share an element with a column; of elements of pairs, the first of every pair.
+   pure subroutine collect_rows(elements, uses, is_paired, column, last_column, rows, n_rows)
       type(element_dofs_type), intent(in) :: elements
       type(uses_type), intent(in) :: uses
+      logical, intent(in) :: is_paired(:)
       integer, intent(in) :: column
-      logical, intent(in) :: is_twin(:)
       !> Last column that had the unknown as a row.
       integer, intent(inout) :: last_column(:)
       integer, intent(inout) :: rows(:)
@@ -100,18 +102,33 @@ contains
       n_rows = 0
       do u = uses%start(column), uses%start(column + 1) - 1
          e = uses%owner(u)
-         do k = elements%start(e), elements%start(e + 1) - 1
+         do k = elements%start(e), elements%start(e + 1) - 1, merge(2, 1, is_paired(e))
             dof = elements%dof(k)
             if (dof == 0) cycle
-            if (last_column(dof) == column .or. is_twin(dof)) cycle
+            if (last_column(dof) == column) cycle
             last_column(dof) = column
             n_rows = n_rows + 1
             rows(n_rows) = dof
          end do
       end do
+   end subroutine collect_rows
+
+   !> The first unknown of every pair, sorted, and then all.
+   pure subroutine complete_rows(is_twin, rows, n_rows)
+      logical, intent(in) :: is_twin(:)
+      integer, intent(inout) :: rows(:), n_rows
+      integer :: u, n
+
+      n = n_rows
+      n_rows = 0
+      do u = 1, n
+         if (is_twin(rows(u))) cycle
+         n_rows = n_rows + 1
+         rows(n_rows) = rows(u)
+      end do
       call sort_ascending(rows(:n_rows))
       call add_twins(is_twin, rows, n_rows)
-   end subroutine collect_rows
+   end subroutine complete_rows
 
    !> Let every pair be whole where only its first unknown stands.
    pure subroutine add_twins(is_twin, rows, n_rows)
