@@ -12,6 +12,8 @@ from __future__ import annotations
 import argparse
 import csv
 import os
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -31,7 +33,7 @@ ROOT = Path(__file__).resolve().parents[2]
 TABLE = ROOT / "bench/stress/results.csv"
 PAGE = ROOT / "docs/stability.md"
 BEGIN, END = "<!-- tables: bench/stress/run.py -->", "<!-- end of tables -->"
-#: Seconds before a run is given up.
+#: Seconds of processor time before a run is given up: others may keep the machine busy.
 PATIENCE = 120
 #: What must never be seen.
 IMPOLITE = ("Backtrace", "runtime error", "Program received signal", "STOP", "forrtl")
@@ -62,12 +64,16 @@ def run_scene(scene: Scene, program: Path) -> Outcome:
         deck.write_text(scene.deck + "\n", encoding="utf-8")
         command = [str(program), "--output", folder, str(deck)]
         environment = dict(os.environ, OMP_NUM_THREADS="1")
-        try:
-            done = subprocess.run(command, capture_output=True, text=True, errors="replace",
-                                  timeout=PATIENCE, check=False, env=environment)
-        except subprocess.TimeoutExpired:
+        done = subprocess.run(command, capture_output=True, text=True, errors="replace",
+                              check=False, env=environment, preexec_fn=limit_time)
+        if done.returncode == -signal.SIGXCPU:
             return Outcome("endless", None, np.nan, 0, 0, np.nan, f"no end after {PATIENCE} s")
         return judge(scene, done, Path(folder) / "scene.vtkhdf")
+
+
+def limit_time() -> None:
+    """End this process when it has used up its time."""
+    resource.setrlimit(resource.RLIMIT_CPU, (PATIENCE, PATIENCE + 5))
 
 
 def judge(scene: Scene, done: subprocess.CompletedProcess, results: Path) -> Outcome:
