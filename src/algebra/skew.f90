@@ -1,4 +1,4 @@
-!> Skew part of sparse matrices: of tangents, what Nitsche's tractions and friction add at boundaries.
+!> Skew part of sparse matrices: of tangents, what Nitsche's tractions and friction add.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_algebra_skew
    use coulter_algebra_sparse, only: pattern_type

@@ -106,7 +106,9 @@ contains
          self%factor_memory = cholesky_bytes(self%near%factor)
          if (status == 0) self%pivot_ratio = cholesky_pivot_ratio(self%near%factor)
          if (.not. allocated(self%near%rest)) allocate (self%near%rest)
-         if (.not. self%is_symmetric) call find_skew_part(self%near%rest, pattern, self%mirror, values)
+         if (.not. self%is_symmetric) then
+            call find_skew_part(self%near%rest, pattern, self%mirror, values)
+         end if
       end if
       has_failed = .false.
       if (status /= 0) call factorise_lu(self, pattern, values, has_failed)

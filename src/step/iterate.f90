@@ -41,7 +41,7 @@ module coulter_step_iterate
       real(wp), allocatable :: norms(:)
    end type newton_type
 
-   !> How many times larger than expected the residual of an old tangent may be: contacts may change.
+   !> How many times larger than expected the residual of an old tangent may be.
    real(wp), parameter :: margin = 1.0e4_wp
 
 contains
@@ -94,8 +94,8 @@ contains
          < model%control%tolerance*newton%residuals(n - 1)**2
    end function expects_end
 
-   !> Will the tangent at hand most likely do for the correction after the next one? It would have in
-   !> the last step.
+   !> Will the tangent at hand do for the correction after the next one, too? It would have in the
+   !> last step.
    pure function went_well(newton, system, model) result(answer)
       type(newton_type), intent(in) :: newton
       type(system_type), intent(in) :: system

@@ -296,8 +296,8 @@ contains
 
    !> Error that a correction may have: in proportion to the residual, so that the convergence stays
    !> quadratic (Eisenstat, S. C. and Walker, H. F. (1996), SIAM J. Sci. Comput. 17, 16-32), and not
-   !> smaller than what ends the iteration. The first correction is the largest by far: its error can
-   !> turn tiles inside out.
+   !> smaller than what ends the iteration. The first correction is the largest by far: its error
+   !> can turn tiles inside out.
    pure function forcing(newton, tolerance) result(error)
       type(newton_type), intent(in) :: newton
       !> Relative residual that ends the iteration.

@@ -204,8 +204,8 @@ contains
       if (allocated(self%verdict%message)) text = ": "//self%verdict%message
    end function verdict_text
 
-   !> Make pattern, scatter map and symbolic factorisation, unless those of the last step hold. Other
-   !> elements may have the same pattern, as when tiles have moved a little: then the factor at hand
+   !> Make pattern, scatter map and symbolic factorisation, unless those of the last step hold.
+   !> Other elements may have the same pattern, as when tiles have moved a little: then the factor at hand
    !> serves on, too.
    subroutine renew_pattern(system, elements, has_failed, order)
       !> System with numbered unknowns.
