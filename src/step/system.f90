@@ -205,8 +205,8 @@ contains
    end function verdict_text
 
    !> Make pattern, scatter map and symbolic factorisation, unless those of the last step hold.
-   !> Other elements may have the same pattern, as when tiles have moved a little: then the factor at hand
-   !> serves on, too.
+   !> Other elements may have the same pattern, as when tiles have moved a little: then the
+   !> factor at hand serves on, too.
    subroutine renew_pattern(system, elements, has_failed, order)
       !> System with numbered unknowns.
       type(system_type), intent(inout) :: system
