@@ -304,11 +304,12 @@ contains
       real(wp), intent(in) :: tolerance
       real(wp) :: error
 
+      error = first_forcing
+      if (newton%n_iterations == 0) return
       associate (residual => newton%residuals(size(newton%residuals)))
          error = max(1.0e-3_wp*residual, 1.0e-6_wp*tolerance/residual)
       end associate
       error = min(max(error, smallest_forcing), largest_forcing)
-      if (newton%n_iterations == 0) error = first_forcing
    end function forcing
 
    !> Ratio of pivots below which a tangent is nearly singular. Penalties over bands that are
