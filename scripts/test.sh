@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Test from a bare clone: install what is missing, build with warnings as errors, run every test,
-# then the unit tests again with all run-time checks. The last line counts the tests.
+# then those of the code itself again with all run-time checks. The last line counts the tests.
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -24,7 +24,7 @@ install_python postproc/requirements.txt tests/requirements.txt
 rm -f "$root"/build/*/tests.xml
 broken=()
 build_and_test release
-build_and_test debug --label-regex '^unit$'
+build_and_test debug --label-regex '^(unit|verification)$'
 
 "$root/.venv/bin/python" "$root/scripts/count_tests.py" "${broken[@]}" \
    "$root/build/release/tests.xml" "$root/build/debug/tests.xml"

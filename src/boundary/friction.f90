@@ -114,7 +114,7 @@ contains
       slope = 0.0_wp
       if (friction%opening > 0.0_wp) then
          new_opening = max(opening, place%gap)
-         limit = friction%tension*max(0.0_wp, 1.0_wp - new_opening/friction%opening)
+         limit = friction%tension*(1.0_wp - min(new_opening, friction%opening)/friction%opening)
          if (place%gap > opening .and. limit > 0.0_wp) slope = -friction%tension/friction%opening
       end if
       holds = limit > 0.0_wp
