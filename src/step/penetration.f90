@@ -94,7 +94,8 @@ contains
       real(wp) :: depth, lower(2), upper(2)
       integer :: p, k
 
-      call flatten(boundary%vertices, boundary%bulges, sagitta, polyline)
+      call flatten(boundary%vertices, [(boundary%bulge(k), k=1, size(boundary%vertices, 2) - 1)], &
+                   sagitta, polyline)
       lower = minval(polyline, dim=2)
       upper = maxval(polyline, dim=2)
       deepest = 0.0_wp
