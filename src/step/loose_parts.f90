@@ -16,7 +16,7 @@ module coulter_step_loose_parts
    use coulter_step_tile_scatter, only: add_at_corners, scatter_tile
    implicit none(type, external)
    private
-   public :: find_loose_parts, add_drag, name_loose_parts
+   public :: find_loose_parts, add_drag, name_loose_parts, name_toppling, text_of_parts
 
    !> Drag per area and motion over the shear modulus and the square of the spacing.
    real(wp), parameter :: softest = 1.0e-6_wp
@@ -162,5 +162,49 @@ contains
                           //" a drag keeps their place")
       end do
    end subroutine name_loose_parts
+
+   !> Say which body topples or slips, and where it moves most, when it begins to settle after it
+   !> has come apart.
+   pure subroutine name_toppling(report, model, system)
+      !> Report of the step.
+      type(step_report_type), intent(inout) :: report
+      !> Scene, still with the tiles of the step.
+      type(model_type), intent(in) :: model
+      !> Its system; remembers what has been named.
+      type(system_type), intent(inout) :: system
+      integer :: c, p
+
+      if (.not. system%has_come_apart) return
+      if (system%has_named_toppling .eqv. system%n_settling > 0) return
+      system%has_named_toppling = system%n_settling > 0
+      if (.not. system%has_named_toppling) return
+      c = maxloc(norm2(system%map%increment, dim=1), dim=1)
+      p = findloc(any(model%tiling%corner == c, dim=1), .true., dim=1)
+      call add_warning(report%warnings, "a part of body "//model%bodies(model%points%body(p))%name &
+                       //" near ("//to_text(model%points%position(:, p))//") topples or slips: it" &
+                       //" settles against a drag until it is at rest")
+   end subroutine name_toppling
+
+   !> What a message about a step that failed says of loose parts: the largest one; nothing if there
+   !> are none.
+   pure function text_of_parts(model, system) result(text)
+      !> Scene at the start of the step.
+      type(model_type), intent(in) :: model
+      !> Its system.
+      type(system_type), intent(in) :: system
+      character(len=:), allocatable :: text
+      type(part_type), allocatable :: parts(:)
+      integer :: part(model%points%n_points), k
+
+      text = ""
+      if (.not. allocated(system%drag)) return
+      if (size(system%drag) /= size(part)) return
+      call find_parts(parts, model%tiling, model%points%body, size(model%bodies), part)
+      k = maxloc(parts%area, dim=1, mask=[(any(part == k .and. system%drag > 0.0_wp), &
+                                           k=1, size(parts))])
+      if (k == 0) return
+      text = "; the part of body "//model%bodies(parts(k)%body)%name//" near (" &
+         //to_text(parts(k)%centroid)//") has come apart and is held by contact alone"
+   end function text_of_parts
 
 end module coulter_step_loose_parts

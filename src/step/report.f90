@@ -10,7 +10,7 @@ module coulter_step_report
    use coulter_points_tiling, only: measure_quality
    use coulter_step_contact_report, only: report_contacts
    use coulter_step_dofs, only: reduce
-   use coulter_step_loose_parts, only: name_loose_parts
+   use coulter_step_loose_parts, only: name_loose_parts, name_toppling
    use coulter_step_meetings, only: report_meetings
    use coulter_step_newton, only: newton_type
    use coulter_step_penetration, only: measure_penetrations
@@ -83,6 +83,7 @@ contains
       if (allocated(model%tiling)) then
          call report_meetings(report, model, system)
          call name_loose_parts(report, model, system)
+         call name_toppling(report, model, system)
       end if
       call doubt(report, newton)
    end subroutine report_step

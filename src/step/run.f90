@@ -9,6 +9,7 @@ module coulter_step_run
    use coulter_model_observer, only: n_phases, observer_type, phase_output, scene_report_type, &
       step_report_type
    use coulter_step, only: advance_step, prepare_system
+   use coulter_step_loose_parts, only: text_of_parts
    use coulter_step_phases, only: begin_phase
    use coulter_step_report, only: report_scene
    use coulter_step_settle, only: begin_settling, is_settling, settle_again, settle_on
@@ -113,7 +114,8 @@ contains
             call try_again(model, system, increment, n_halvings, is_lost)
             if (.not. is_lost) cycle
             call fatal_error(error, failure_message(model, step, n_halvings, failure, &
-                                                    is_settling(system)))
+                                                    is_settling(system)) &
+                             //text_of_parts(model, system))
             return
          end if
          report%n_halvings = n_halvings
@@ -156,7 +158,8 @@ contains
       else if (n_halvings < model%control%max_halvings) then
          n_halvings = n_halvings + 1
          increment = system%verdict%step_ratio*increment
-      else if (model%control%may_settle) then
+      else if (model%control%may_settle .or. system%has_come_apart) then
+         ! parts that have come apart topple and slip
          call begin_settling(system)
       else
          is_lost = .true.

@@ -93,8 +93,8 @@ module coulter_step_system
       !> of bodies that a warning has named last, length units, shape (n_bodies, n_bodies).
       type(fold_type), allocatable :: folds(:)
       real(wp), allocatable :: named_length(:, :)
-      !> Has a body come apart, and has a warning named parts that are loose?
-      logical :: has_come_apart = .false., has_named_loose = .false.
+      !> Has a body come apart, and has a warning named parts that are loose, or one that topples?
+      logical :: has_come_apart = .false., has_named_loose = .false., has_named_toppling = .false.
       !> Drag on the tiles of loose parts per area and motion, stress over squared length, shape
       !> (n_tiles); unallocated if there are none.
       real(wp), allocatable :: drag(:)
