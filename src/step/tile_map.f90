@@ -24,7 +24,7 @@ module coulter_step_tile_map
       real(wp), allocatable :: increment(:, :)
       !> Share of every active cell that tiles fill, from nine samples a tile, shape (n_cells).
       real(wp), allocatable :: fill(:)
-      !> A tile in every active cell, shape (n_cells).
+      !> A tile in every active cell, or beside it where it is empty, shape (n_cells).
       integer, allocatable :: tile_in_cell(:)
       !> Area that every node carries over that of a cell, shape (n_nodes).
       real(wp), allocatable :: node_area(:)
@@ -207,7 +207,7 @@ contains
       integer :: p, k, n
 
       allocate (map%fill(cells%n_cells), source=0.0_wp)
-      allocate (map%tile_in_cell(cells%n_cells), source=0)
+      call choose_tiles(map, cells, tiling, index)
       n = tiling%n_corners
       do p = 1, size(map%area)
          if (.not. is_straddling(p)) then
@@ -221,6 +221,34 @@ contains
       end do
       map%fill = map%fill/grid%cell_volume()
    end subroutine measure_fill
+
+   !> A tile with a corner in every cell; cells that only bridge corners take one of a cell beside
+   !> them. Tiles that fill a cell replace it later.
+   pure subroutine choose_tiles(map, cells, tiling, index)
+      type(tile_map_type), intent(inout) :: map
+      type(cells_type), intent(in) :: cells
+      type(tiling_type), intent(in) :: tiling
+      !> Grid index of the cells of all corners, and of samples.
+      integer, intent(in) :: index(:, :)
+      integer, parameter :: beside(2, 4) = reshape([-1, 0, 1, 0, 0, -1, 0, 1], [2, 4])
+      integer :: p, v, c, other
+
+      allocate (map%tile_in_cell(cells%n_cells), source=0)
+      do p = 1, size(map%area)
+         do v = 1, 4
+            associate (at => index(:, tiling%corner(v, p)))
+               map%tile_in_cell(cells%cell_at(at(1), at(2))) = p
+            end associate
+         end do
+      end do
+      do c = 1, cells%n_cells
+         do v = 1, 4
+            if (map%tile_in_cell(c) > 0) exit
+            other = cells%number_at(cells%cell_index(:, c) + beside(:, v))
+            if (other > 0) map%tile_in_cell(c) = map%tile_in_cell(other)
+         end do
+      end do
+   end subroutine choose_tiles
 
    !> Let a tile fill a part of a cell.
    pure subroutine add_area(map, cells, tile, index, area)

@@ -167,7 +167,7 @@ contains
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
       real(wp) :: lame_lambda, shear_modulus
-      integer :: f, tile
+      integer :: f
 
       system%ghost = ghost_type()
       if (model%control%ghost_ratio > 0.0_wp) then
@@ -176,8 +176,8 @@ contains
       if (allocated(system%ghost_stiffness)) deallocate (system%ghost_stiffness)
       allocate (system%ghost_stiffness(system%ghost%n_faces))
       do f = 1, system%ghost%n_faces
-         tile = max(system%map%tile_in_cell(system%ghost%cell(f)), 1)
-         call point_moduli(model, tile, lame_lambda, shear_modulus)
+         call point_moduli(model, system%map%tile_in_cell(system%ghost%cell(f)), lame_lambda, &
+                           shear_modulus)
          system%ghost_stiffness(f) = 2.0_wp*model%control%ghost_ratio*shear_modulus
       end do
       if (allocated(model%points%has_flowed)) call soften_faces(system, model)
