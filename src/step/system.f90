@@ -19,6 +19,7 @@ module coulter_step_system
    use coulter_step_dofs, only: dofs_type
    use coulter_step_ghost, only: ghost_type
    use coulter_step_patches, only: patches_memory, patches_type
+   use coulter_step_star_groups, only: groups_memory, star_groups_type
    use coulter_step_tile_map, only: tile_map_type
    use coulter_step_tile_patches, only: tile_patches_memory, tile_patches_type
    use coulter_step_tile_stars, only: stars_memory, tile_stars_type
@@ -109,8 +110,9 @@ module coulter_step_system
       !> Stabilised cell faces, their stiffness, and what they add to the tangent.
       type(ghost_type) :: ghost
       real(wp), allocatable :: ghost_stiffness(:), ghost_values(:)
-      !> Tangent of all tiles in terms of their corners, and their unknowns.
+      !> Tangent of all tiles in terms of their corners, and the way of corners to the unknowns.
       type(tile_stars_type) :: stars
+      type(star_groups_type) :: groups
       !> Tiles that share their volume change; only where some do.
       type(tile_patches_type), allocatable :: tile_patches
       !> Shared volume change of every point over its own one, of the current iteration, shape
@@ -266,7 +268,7 @@ contains
          bytes = bytes + 12_long*int(size(system%last_motion%increment), long)
       end if
       if (allocated(system%map%area)) then
-         bytes = bytes + stars_memory(system%stars) &
+         bytes = bytes + stars_memory(system%stars) + groups_memory(system%groups) &
             + 8_long*int(10*size(system%map%area) + 8*size(system%map%shape, 2) &
                          + size(system%ghost_values), long)
       end if

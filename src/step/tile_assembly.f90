@@ -8,11 +8,12 @@ module coulter_step_tile_assembly
    use coulter_step_hourglass, only: find_pull
    use coulter_step_loose_parts, only: add_drag
    use coulter_step_point_kernel, only: add_force, point_response_type
+   use coulter_step_star_groups, only: scatter_stars
    use coulter_step_system, only: system_type
    use coulter_step_tile_map, only: interpolate, spread_to_nodes
    use coulter_step_tile_patches, only: scatter_tile_patches
    use coulter_step_tile_scatter, only: add_at_corners, respond_tile
-   use coulter_step_tile_stars, only: add_moduli, clear_stars, scatter_stars
+   use coulter_step_tile_stars, only: add_moduli, clear_stars
    use coulter_step_tile_sharing, only: share_volume_changes
    implicit none(type, external)
    private
@@ -57,7 +58,7 @@ contains
       type(system_type), intent(inout) :: system
 
       system%values = system%ghost_values
-      call scatter_stars(system%stars, system%pattern, system%values)
+      call scatter_stars(system%groups, system%stars, system%pattern, system%values)
       if (.not. allocated(system%tile_patches)) return
       call scatter_tile_patches(system%tile_patches, system%pattern, system%elements%n_elements, &
                                 system%values)

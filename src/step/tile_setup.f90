@@ -19,10 +19,11 @@ module coulter_step_tile_setup
    use coulter_step_ghost, only: find_ghost_faces, ghost_matrix, ghost_type
    use coulter_step_hourglass, only: hourglass_stiffness
    use coulter_step_loose_parts, only: find_loose_parts
+   use coulter_step_star_groups, only: couple_stars
    use coulter_step_system, only: make_room, renew_pattern, system_type
    use coulter_step_tile_map, only: map_tiles, spread_to_nodes
    use coulter_step_tile_patches, only: build_tile_patches, couple_tile_patches
-   use coulter_step_tile_stars, only: build_stars, couple_stars
+   use coulter_step_tile_stars, only: build_stars
    use coulter_step_unknowns, only: coupling_type, couple_vertices, new_coupling
    implicit none(type, external)
    private
@@ -109,17 +110,17 @@ contains
       call number_dofs(system%dofs, model%grid, system%cells, is_core, may_lead, &
                        system%map%fill, model%fixities)
       call build_stars(system%stars, model%tiling%corner, model%tiling%n_corners)
-      call couple_stars(system%stars, system%map, system%dofs)
+      call couple_stars(system%groups, system%stars, system%map, system%dofs)
       call couple_faces(faces, system)
       call find_loose_parts(system, model)
       call gather_mass(system, model)
       call make_room(system, size(model%boundaries))
       if (allocated(system%tile_patches)) then
          call couple_tile_patches(system%tile_patches, system%map, system%dofs)
-         call renew_pattern(system, joined(joined(system%stars%elements, faces%elements), &
+         call renew_pattern(system, joined(joined(system%groups%elements, faces%elements), &
                                            system%tile_patches%coupling%elements), has_failed)
       else
-         call renew_pattern(system, joined(system%stars%elements, faces%elements), has_failed)
+         call renew_pattern(system, joined(system%groups%elements, faces%elements), has_failed)
       end if
       if (.not. has_failed) call set_ghost_values(system, faces)
    end subroutine number_tile_system
@@ -238,7 +239,7 @@ contains
       do f = 1, system%ghost%n_faces
          first = (faces%elements%start(f) + 1)/2
          last = (faces%elements%start(f + 1) - 1)/2
-         call add_twice(system%pattern, system%stars%elements%n_elements + f, last - first + 1, &
+         call add_twice(system%pattern, system%groups%elements%n_elements + f, last - first + 1, &
                         system%ghost_stiffness(f)*ghost_matrix(faces%share(:, first:last)), &
                         system%ghost_values)
       end do
