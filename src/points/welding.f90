@@ -3,6 +3,7 @@
 module coulter_points_welding
    use coulter_base_kinds, only: wp
    use coulter_base_sets, only: join_sets, root_of
+   use coulter_base_sorting, only: sort_ascending
    implicit none(type, external)
    private
    public :: weld
@@ -23,7 +24,7 @@ contains
       integer, intent(out) :: n
       integer :: order(size(number)), parent(size(number)), first, last, i, j, k
 
-      call sort(position(1, :), order)
+      call sort_ascending(position(1, :), order)
       parent = [(i, i=1, size(number))]
       last = 0
       do while (last < size(order))
@@ -70,64 +71,8 @@ contains
       integer, intent(in) :: some(:)
       integer :: sorted(size(some))
 
-      call sort(coordinate(some), sorted)
+      call sort_ascending(coordinate(some), sorted)
       sorted = some(sorted)
    end function sorted_by
-
-   !> Order that sorts numbers ascending: bottom-up merge sort.
-   pure subroutine sort(key, order)
-      real(wp), intent(in) :: key(:)
-      integer, intent(out) :: order(:)
-      integer :: merged(size(order)), width, low, middle, high, i, j, k
-
-      do i = 1, size(order)
-         order(i) = i
-      end do
-      width = 1
-      do while (width < size(order))
-         do low = 1, size(order), 2*width
-            middle = min(low + width, size(order) + 1)
-            high = min(low + 2*width, size(order) + 1)
-            i = low
-            j = middle
-            if (is_sorted(middle)) then
-               merged(low:high - 1) = order(low:high - 1)
-               cycle
-            end if
-            do k = low, high - 1
-               if (takes_left(i, j)) then
-                  merged(k) = order(i)
-                  i = i + 1
-               else
-                  merged(k) = order(j)
-                  j = j + 1
-               end if
-            end do
-         end do
-         order = merged
-         width = 2*width
-      end do
-
-   contains
-
-      !> Are both halves in order as they stand, as those of places that come row by row often are?
-      pure function is_sorted(middle) result(answer)
-         integer, intent(in) :: middle
-         logical :: answer
-
-         answer = middle > size(order)
-         if (.not. answer) answer = key(order(middle - 1)) <= key(order(middle))
-      end function is_sorted
-
-      !> Does the next number come from the left half?
-      pure function takes_left(i, j) result(answer)
-         integer, intent(in) :: i, j
-         logical :: answer
-
-         answer = i < middle
-         if (answer .and. j < high) answer = key(order(i)) <= key(order(j))
-      end function takes_left
-
-   end subroutine sort
 
 end module coulter_points_welding
