@@ -43,7 +43,6 @@ contains
       integer, allocatable :: integer_value(:)
       logical :: logical_value
       character(len=len(written)) :: text_value
-      character(len=256) :: remark
       integer :: unit, status
       logical :: is_halting
       namelist /one/ real_value, integer_value, logical_value, text_value
@@ -52,24 +51,17 @@ contains
       allocate (integer_value(n), source=0)
       logical_value = .false.
       text_value = ""
-      open (newunit=unit, status="scratch", iostat=status, iomsg=remark)
-      if (status == 0) then
-         write (unit, "(a)", iostat=status, iomsg=remark) "&one", type//"_value = "//written, "/"
-      end if
-      is_valid = status == 0
+      call open_scratch(type//"_value = "//written, unit, message)
+      is_valid = message == ""
       if (is_valid) then
          ! numbers such as 1e999 become infinite, also where overflow would end the program
          call ieee_get_halting_mode(ieee_overflow, is_halting)
          call ieee_set_halting_mode(ieee_overflow, .false.)
-         rewind (unit)
          read (unit, nml=one, iostat=status)
          close (unit)
          call ieee_set_flag(ieee_overflow, .false.)
          call ieee_set_halting_mode(ieee_overflow, is_halting)
          is_valid = status == 0
-         message = ""
-      else
-         message = "cannot be read without a scratch file: "//trim(remark)
       end if
       ! one by one: gfortran 12 loses the length of a text in a structure constructor
       call move_alloc(real_value, value%reals)
@@ -77,5 +69,26 @@ contains
       value%flag = logical_value
       value%text = trim(text_value)
    end subroutine read_value
+
+   !> Open a scratch file that holds a namelist.
+   subroutine open_scratch(line, unit, message)
+      !> What stands in the namelist.
+      character(len=*), intent(in) :: line
+      !> Unit at the start of the file, to be closed if there is no message.
+      integer, intent(out) :: unit
+      !> Why there is no such file; empty if there is.
+      character(len=:), allocatable, intent(out) :: message
+      character(len=256) :: remark
+      integer :: status
+
+      message = ""
+      open (newunit=unit, status="scratch", iostat=status, iomsg=remark)
+      if (status == 0) then
+         write (unit, "(a)", iostat=status, iomsg=remark) "&one", line, "/"
+         rewind (unit)
+         if (status /= 0) close (unit)
+      end if
+      if (status /= 0) message = "cannot be read without a scratch file: "//trim(remark)
+   end subroutine open_scratch
 
 end module coulter_deck_namelist
