@@ -161,55 +161,67 @@ contains
       type(frames_type), intent(in) :: frames
       type(hdf5_file_type), intent(inout) :: file
       type(model_type), intent(in) :: model
-      type(law_variable_type), allocatable :: variables(:)
-      character(len=:), allocatable :: unit
-      integer :: i
 
-      call add_field("VTKHDF/Points", [3], "current position", model%units%length)
-      call file%add_group("VTKHDF/PointData")
-      call add_field(point_data//"displacement", [3], "displacement since the start", &
-                     model%units%length)
-      call add_field(point_data//"stress", [n_symmetric], &
-                     "Cauchy stress XX YY ZZ XY YZ XZ, tension positive", model%units%stress)
-      call add_field(point_data//"strain", [n_symmetric], &
-                     "logarithmic elastic strain XX YY ZZ XY YZ XZ, tensor shear components", "1")
-      call add_field(point_data//"deformation_gradient", [n_tensor], &
-                     "total deformation gradient, row by row", "1")
-      call add_field(point_data//"volume_ratio", [integer ::], &
-                     "current over initial volume, J", "1")
-      call add_field(point_data//"volume", [integer ::], &
-                     "current volume, per unit thickness in plane strain", square(model))
-      call add_field(point_data//"domain", [3], &
-                     "edges of the box around the undeformed point domain", model%units%length)
-      if (allocated(model%tiling)) then
-         call add_field(point_data//"tile", [8], &
-                        "corners of the deformed point domain, x1 y1 .. x4 y4, counter-clockwise", &
-                        model%units%length)
-      end if
-      call list_variables(model, variables)
-      do i = 1, size(variables)
-         unit = trim(variables(i)%unit)
-         if (unit == "stress") unit = model%units%stress
-         call add_field(point_data//trim(variables(i)%name), [integer ::], &
-                        trim(variables(i)%meaning), unit)
-      end do
+      associate (units => model%units)
+         call add_field(frames, file, "VTKHDF/Points", [3], "current position", units%length)
+         call file%add_group("VTKHDF/PointData")
+         call add_field(frames, file, point_data//"displacement", [3], &
+                        "displacement since the start", units%length)
+         call add_field(frames, file, point_data//"stress", [n_symmetric], &
+                        "Cauchy stress XX YY ZZ XY YZ XZ, tension positive", units%stress)
+         call add_field(frames, file, point_data//"strain", [n_symmetric], &
+                        "logarithmic elastic strain XX YY ZZ XY YZ XZ, tensor shear components", &
+                        "1")
+         call add_field(frames, file, point_data//"deformation_gradient", [n_tensor], &
+                        "total deformation gradient, row by row", "1")
+         call add_field(frames, file, point_data//"volume_ratio", [integer ::], &
+                        "current over initial volume, J", "1")
+         call add_field(frames, file, point_data//"volume", [integer ::], &
+                        "current volume, per unit thickness in plane strain", square(model))
+         call add_field(frames, file, point_data//"domain", [3], &
+                        "edges of the box around the undeformed point domain", units%length)
+         if (allocated(model%tiling)) then
+            call add_field(frames, file, point_data//"tile", [8], "corners of the deformed point" &
+                           //" domain, x1 y1 .. x4 y4, counter-clockwise", units%length)
+         end if
+         call add_state_fields(frames, file, model)
+      end associate
       call file%add_rows(point_data//"body", kind_integer, [integer ::], frames%rows_per_chunk, &
                          frames%compression)
       call file%describe(point_data//"body", "number of the body, from 1")
-
-   contains
-
-      subroutine add_field(name, row_shape, description, unit)
-         character(len=*), intent(in) :: name, description
-         integer, intent(in) :: row_shape(:)
-         character(len=*), intent(in), optional :: unit
-
-         call file%add_rows(name, frames%kind, row_shape, frames%rows_per_chunk, &
-                            frames%compression)
-         call file%describe(name, description, unit)
-      end subroutine add_field
-
    end subroutine add_point_data
+
+   !> Datasets of the state variables of all laws.
+   subroutine add_state_fields(frames, file, model)
+      type(frames_type), intent(in) :: frames
+      type(hdf5_file_type), intent(inout) :: file
+      type(model_type), intent(in) :: model
+      type(law_variable_type), allocatable :: variables(:)
+      integer :: i
+
+      call list_variables(model, variables)
+      do i = 1, size(variables)
+         if (variables(i)%unit == "stress") then
+            call add_field(frames, file, point_data//trim(variables(i)%name), [integer ::], &
+                           trim(variables(i)%meaning), model%units%stress)
+         else
+            call add_field(frames, file, point_data//trim(variables(i)%name), [integer ::], &
+                           trim(variables(i)%meaning), trim(variables(i)%unit))
+         end if
+      end do
+   end subroutine add_state_fields
+
+   !> A dataset of reals with a row per point and frame.
+   subroutine add_field(frames, file, name, row_shape, description, unit)
+      type(frames_type), intent(in) :: frames
+      type(hdf5_file_type), intent(inout) :: file
+      character(len=*), intent(in) :: name, description
+      integer, intent(in) :: row_shape(:)
+      character(len=*), intent(in), optional :: unit
+
+      call file%add_rows(name, frames%kind, row_shape, frames%rows_per_chunk, frames%compression)
+      call file%describe(name, description, unit)
+   end subroutine add_field
 
    !> Write the rows of all points.
    subroutine put_points(frames, file, model)

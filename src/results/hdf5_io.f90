@@ -4,25 +4,22 @@ module coulter_results_hdf5_io
    use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
    use coulter_base_error, only: error_type, fatal_error
    use coulter_base_kinds, only: long, wp
+   use coulter_results_hdf5_attributes, only: read_integer, write_attribute
+   use coulter_results_hdf5_rows, only: new_rows, write_rows
    use coulter_results_hdf5_types, only: kind_text, new_stored_type, new_text_type, null_padded, &
-      set_compression, text_width, unlocked_access
-   use hdf5, only: h5aclose_f, h5acreate_f, h5aexists_f, h5aopen_by_name_f, h5aopen_f, h5aread_f, &
-      h5awrite_f, h5dclose_f, h5dcreate_f, h5dget_space_f, h5dont_atexit_f, h5dopen_f, &
-      h5dset_extent_f, h5dwrite_f, h5eset_auto_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5fopen_f, &
-      h5gclose_f, h5gcreate_f, h5kind_to_type, h5oclose_f, h5oopen_f, h5open_f, h5pclose_f, &
-      h5pcreate_f, h5pset_chunk_f, h5pset_istore_k_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
-      h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sselect_hyperslab_f, h5tclose_f
+      text_width, unlocked_access
+   use hdf5, only: h5dclose_f, h5dcreate_f, h5dont_atexit_f, h5dwrite_f, h5eset_auto_f, &
+      h5fclose_f, h5fcreate_f, h5fflush_f, h5fopen_f, h5gclose_f, h5gcreate_f, h5kind_to_type, &
+      h5open_f, h5pclose_f, h5pcreate_f, h5pset_istore_k_f, h5sclose_f, h5screate_simple_f, &
+      h5tclose_f
    use hdf5, only: h5_integer_kind, h5_real_kind, h5f_acc_rdonly_f, h5f_acc_rdwr_f, &
-      h5f_acc_trunc_f, h5f_scope_global_f, h5p_dataset_create_f, h5p_file_create_f, h5s_scalar_f, &
-      h5s_select_set_f, h5t_native_integer, hid_t, hsize_t
+      h5f_acc_trunc_f, h5f_scope_global_f, h5p_file_create_f, h5t_native_integer, hid_t, hsize_t
    implicit none(type, external)
    private
    public :: hdf5_file_type, forgo_cleanup
 
    !> Attribute of the root that tells runs apart.
    character(len=*), parameter :: key_name = "run_key"
-   !> Most dimensions of a dataset.
-   integer, parameter :: max_rank = 3
 
    !> A file with groups, attributes and datasets that grow by rows. After a failure all calls do
    !> nothing, so that a caller may write much and ask once, in `close`.
@@ -51,8 +48,6 @@ module coulter_results_hdf5_io
       procedure :: set_text
       procedure, private :: note
       procedure, private :: put_rows
-      procedure, private :: look_for_key
-      procedure, private :: set_attribute
    end type hdf5_file_type
 
    !> Half the number of chunks in a node of the index of a dataset. A node that is full is split,
@@ -97,44 +92,37 @@ contains
       call self%set_integers("/", key_name, [self%run_key])
    end subroutine create_file
 
-   !> Open a file that this run has made.
+   !> Open the file that this run has made. A second run with the same output replaces it: then it
+   !> is left alone. Should that happen between the two openings, nothing is written either; but
+   !> what the other run writes before `close` could be cut off.
    subroutine open_file(self)
       class(hdf5_file_type), intent(inout) :: self
       integer(hid_t) :: access_list
-      integer :: codes(4)
+      integer :: code
 
       if (self%has_failed) return
-      codes = 0
       access_list = unlocked_access()
       ! first to read: closing a file that another run writes would cut it
-      call h5fopen_f(self%path, h5f_acc_rdonly_f, self%id, codes(1), access_prp=access_list)
-      call self%note(codes)
-      call self%look_for_key()
-      if (self%id >= 0) call h5fclose_f(self%id, codes(2))
+      call open_if_own(self, h5f_acc_rdonly_f, access_list)
+      if (self%id >= 0) call h5fclose_f(self%id, code)
       self%id = -1
-      if (.not. self%has_failed) then
-         call h5fopen_f(self%path, h5f_acc_rdwr_f, self%id, codes(3), access_prp=access_list)
-      end if
-      call h5pclose_f(access_list, codes(4))
-      call self%note(codes)
+      if (.not. self%has_failed) call open_if_own(self, h5f_acc_rdwr_f, access_list)
+      call h5pclose_f(access_list, code)
    end subroutine open_file
 
-   !> A second run with the same output replaces the file: then leave it alone.
-   subroutine look_for_key(self)
+   !> Open the file and see whether it is that of this run.
+   subroutine open_if_own(self, access, access_list)
       class(hdf5_file_type), intent(inout) :: self
-      integer(hid_t) :: attribute
-      type(c_ptr) :: buffer
-      integer, target :: key
-      integer :: codes(3)
+      integer, intent(in) :: access
+      integer(hid_t), intent(in) :: access_list
+      integer :: code, key
 
+      call h5fopen_f(self%path, access, self%id, code, access_prp=access_list)
+      call self%note([code])
       if (self%has_failed) return
-      key = 0
-      buffer = c_loc(key)
-      call h5aopen_by_name_f(self%id, "/", key_name, attribute, codes(1))
-      call h5aread_f(attribute, h5t_native_integer, buffer, codes(2))
-      call h5aclose_f(attribute, codes(3))
-      self%has_failed = any(codes < 0) .or. key /= self%run_key
-   end subroutine look_for_key
+      call read_integer(self%id, key_name, key)
+      self%has_failed = key /= self%run_key
+   end subroutine open_if_own
 
    !> Hand all data to the operating system, so that they survive the end of the process.
    subroutine flush_file(self)
@@ -192,24 +180,12 @@ contains
       integer, intent(in) :: rows_per_chunk
       !> 0 (none) to 9. Only rows that start on a chunk are safe with it.
       integer, intent(in), optional :: compression
-      integer(hid_t) :: space, list, dataset, type_id
-      integer :: rank, codes(10)
+      integer :: level
 
       if (self%has_failed) return
-      codes = 0
-      rank = size(row_shape) + 1
-      call h5screate_simple_f(rank, int([row_shape, 0], hsize_t), space, codes(1), &
-                              growth_limits(row_shape))
-      call h5pcreate_f(h5p_dataset_create_f, list, codes(2))
-      call h5pset_chunk_f(list, rank, int([max(row_shape, 1), rows_per_chunk], hsize_t), codes(3))
-      if (present(compression)) call set_compression(list, compression, codes(4))
-      call new_stored_type(type_id, kind, codes(9))
-      call h5dcreate_f(self%id, name, type_id, space, dataset, codes(5), list)
-      call h5dclose_f(dataset, codes(6))
-      call h5pclose_f(list, codes(7))
-      call h5sclose_f(space, codes(8))
-      call h5tclose_f(type_id, codes(10))
-      call self%note(codes)
+      level = 0
+      if (present(compression)) level = compression
+      call new_rows(self%id, name, kind, row_shape, rows_per_chunk, level, self%has_failed)
    end subroutine add_rows
 
    !> Say what a dataset holds.
@@ -320,8 +296,10 @@ contains
       integer, intent(in), target :: values(:)
       integer, target :: buffer(size(values))
 
+      if (self%has_failed) return
       buffer = values
-      call self%set_attribute(object, name, h5t_native_integer, size(values), c_loc(buffer))
+      call write_attribute(self%id, object, name, h5t_native_integer, size(values), &
+                           c_loc(buffer), self%has_failed)
    end subroutine set_integers
 
    !> Set a text attribute.
@@ -344,7 +322,7 @@ contains
       if (present(width)) n_bytes = width
       buffer = null_padded(text, n_bytes)
       call new_text_type(text_type, n_bytes, code)
-      call self%set_attribute(object, name, text_type, 1, c_loc(buffer))
+      call write_attribute(self%id, object, name, text_type, 1, c_loc(buffer), self%has_failed)
       call h5tclose_f(text_type, code)
    end subroutine set_text
 
@@ -370,88 +348,9 @@ contains
       integer(hid_t), intent(in) :: memory_type
       !> Address of the values.
       type(c_ptr), intent(in) :: buffer
-      integer(hid_t) :: dataset, file_space, memory_space
-      integer(hsize_t) :: extent(max_rank), limits(max_rank), block(max_rank), start(max_rank)
-      integer :: rank, codes(8)
 
       if (self%has_failed) return
-      codes = 0
-      call h5dopen_f(self%id, name, dataset, codes(1))
-      call h5dget_space_f(dataset, file_space, codes(2))
-      call h5sget_simple_extent_ndims_f(file_space, rank, codes(3))
-      call h5sget_simple_extent_dims_f(file_space, extent, limits, codes(4))
-      call self%note(codes)
-      if (self%has_failed) return
-      block = extent
-      block(rank) = n_rows_of(n_values, extent(:rank - 1))
-      start = 0
-      start(rank) = first_row
-      extent(rank) = max(extent(rank), start(rank) + block(rank))
-      call h5dset_extent_f(dataset, extent, codes(1))
-      call h5sclose_f(file_space, codes(2))
-      if (n_values > 0) then
-         call h5dget_space_f(dataset, file_space, codes(3))
-         call h5sselect_hyperslab_f(file_space, h5s_select_set_f, start, block, codes(4))
-         call h5screate_simple_f(rank, block, memory_space, codes(5))
-         call h5dwrite_f(dataset, memory_type, buffer, codes(6), memory_space, file_space)
-         call h5sclose_f(memory_space, codes(7))
-         call h5sclose_f(file_space, codes(8))
-      end if
-      call self%note(codes)
-      call h5dclose_f(dataset, codes(1))
+      call write_rows(self%id, name, first_row, n_values, memory_type, buffer, self%has_failed)
    end subroutine put_rows
-
-   !> Make an attribute, or set the one that is there.
-   subroutine set_attribute(self, object, name, memory_type, n_values, buffer)
-      class(hdf5_file_type), intent(inout) :: self
-      !> Path of the group or dataset.
-      character(len=*), intent(in) :: object
-      !> Name of the attribute.
-      character(len=*), intent(in) :: name
-      !> HDF5 type of the values, in memory and in the file.
-      integer(hid_t), intent(in) :: memory_type
-      !> Number of values.
-      integer, intent(in) :: n_values
-      !> Address of the values.
-      type(c_ptr), intent(in) :: buffer
-      integer(hid_t) :: owner, attribute, space
-      integer :: codes(8)
-      logical :: is_there
-
-      if (self%has_failed) return
-      codes = 0
-      call h5oopen_f(self%id, object, owner, codes(1))
-      call h5aexists_f(owner, name, is_there, codes(2))
-      if (is_there) then
-         call h5aopen_f(owner, name, attribute, codes(3))
-      else
-         if (n_values == 1) call h5screate_f(h5s_scalar_f, space, codes(3))
-         if (n_values /= 1) call h5screate_simple_f(1, [int(n_values, hsize_t)], space, codes(3))
-         call h5acreate_f(owner, name, memory_type, space, attribute, codes(4))
-         call h5sclose_f(space, codes(5))
-      end if
-      call h5awrite_f(attribute, memory_type, buffer, codes(6))
-      call h5aclose_f(attribute, codes(7))
-      call h5oclose_f(owner, codes(8))
-      call self%note(codes)
-   end subroutine set_attribute
-
-   !> Largest extents of a dataset that grows by rows; HDF5 does not allow empty chunks.
-   pure function growth_limits(row_shape) result(limits)
-      integer, intent(in) :: row_shape(:)
-      integer(hsize_t) :: limits(size(row_shape) + 1)
-
-      limits = [int(max(row_shape, 1), hsize_t), -1_hsize_t]
-   end function growth_limits
-
-   !> Number of rows that values make; one row when rows are empty.
-   pure function n_rows_of(n_values, row_shape) result(n_rows)
-      integer, intent(in) :: n_values
-      integer(hsize_t), intent(in) :: row_shape(:)
-      integer(hsize_t) :: n_rows
-
-      n_rows = 1
-      if (all(row_shape > 0)) n_rows = int(n_values, hsize_t)/product(row_shape)
-   end function n_rows_of
 
 end module coulter_results_hdf5_io
