@@ -160,19 +160,10 @@ contains
       real(wp) :: distance
 
       distance = 0.0_wp
-      if (side(a, b, c)*side(a, b, d) < 0.0_wp .and. side(c, d, a)*side(c, d, b) < 0.0_wp) return
+      if (turn(a, b, c)*turn(a, b, d) < 0.0_wp .and. turn(c, d, a)*turn(c, d, b) < 0.0_wp) return
       distance = min(distance_to_segment(a, c, d), distance_to_segment(b, c, d), &
                      distance_to_segment(c, a, b), distance_to_segment(d, a, b))
    end function segment_distance
-
-   !> Positive when a point lies on the left of the line from `first` to `last`.
-   pure function side(first, last, position) result(value)
-      real(wp), intent(in) :: first(2), last(2), position(2)
-      real(wp) :: value
-
-      value = (last(1) - first(1))*(position(2) - first(2)) &
-         - (last(2) - first(2))*(position(1) - first(1))
-   end function side
 
    !> Is a point inside a simple polygon (corners counter-clockwise or not)?
    pure function contains_point(corner, position) result(is_inside)

@@ -8,7 +8,7 @@ module coulter_grid_box
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: box_reach, average_over_edge, longest_edge
+   public :: box_reach, average_over_edge
 
    !> Longest edge of a box over that of a cell: longer ones count as this, so that no box leaves
    !> the neighbours of its cell.

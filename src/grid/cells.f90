@@ -9,8 +9,8 @@ module coulter_grid_cells
    use coulter_grid_box, only: box_reach
    implicit none(type, external)
    private
-   public :: cells_type, activate_cells, bridge_corners, find_cells, locate_boxes, locate_points, &
-      number_cells, number_nodes
+   public :: cells_type, bridge_corners, find_cells, locate_boxes, locate_points, number_cells, &
+      number_nodes
 
    !> Active cells and nodes, numbered row by row.
    type :: cells_type
@@ -92,23 +92,6 @@ contains
       call sort_points(cells, index(:, :n))
       cells%point = owner(cells%point)
    end subroutine locate_boxes
-
-   !> Make the cells active that hold any of the given positions, without sorting these by cell.
-   pure subroutine activate_cells(cells, grid, position, index, first_outside)
-      !> Active cells to make.
-      type(cells_type), intent(out) :: cells
-      !> Background grid.
-      type(grid_type), intent(in) :: grid
-      !> Positions inside the grid, shape (2, n).
-      real(wp), intent(in) :: position(:, :)
-      !> Grid index of their cells, shape (2, n).
-      integer, intent(out) :: index(:, :)
-      !> First position that is outside the grid (or not a number), else 0.
-      integer, intent(out) :: first_outside
-
-      call find_cells(grid, position, index, first_outside)
-      if (first_outside == 0) call number_cells(cells, grid, index)
-   end subroutine activate_cells
 
    !> Grid index of the cell of every position: `grid%cell_of` in constant size.
    pure subroutine find_cells(grid, position, index, first_outside)

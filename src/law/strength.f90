@@ -3,6 +3,7 @@
 module coulter_law_strength
    use coulter_base_error, only: error_type, fatal_error
    use coulter_base_kinds, only: wp
+   use coulter_base_table, only: is_increasing
    use coulter_law_parameters, only: law_values_type
    implicit none(type, external)
    private
@@ -64,16 +65,15 @@ contains
       strength%friction_factor = values%list("friction_factor")
       n = size(strength%strain)
       if (n == 0) strength%strain = [0.0_wp]
-      call complete(strength%strength_factor, size(strength%strain))
-      call complete(strength%friction_factor, size(strength%strain))
-      if (size(strength%strength_factor) /= max(n, 1) .or. size(strength%friction_factor) &
-          /= max(n, 1) .or. (n == 0 .and. (values%has("strength_factor") &
-                                           .or. values%has("friction_factor")))) then
+      if (.not. (any(size(strength%strength_factor) == [0, n]) &
+                 .and. any(size(strength%friction_factor) == [0, n]))) then
          call fatal_error(error, "law "//name//": strength_factor and friction_factor need as" &
                           //" many values as plastic_strain")
-      else if (any(strength%strain(2:) <= strength%strain(:size(strength%strain) - 1))) then
+      else if (.not. is_increasing(strength%strain)) then
          call fatal_error(error, "law "//name//": plastic_strain must increase")
       end if
+      call complete(strength%strength_factor, size(strength%strain))
+      call complete(strength%friction_factor, size(strength%strain))
       strength%is_constant = n == 0 .and. .not. strength%rate_factor > 0.0_wp
    end subroutine new_strength
 
