@@ -50,8 +50,9 @@ module coulter_law_cam_clay
       "modified Cam clay; needs an initial stress", &
       "compression_index swelling_index shear_ratio critical_ratio", "overconsolidation")
 
-   !> Iterations for y; pressures are refused beyond exp of this.
-   integer, parameter :: most_trials = 200
+   !> Trials for y, and every how many of them bisect.
+   integer, parameter :: most_trials = 200, bisection = 8
+   !> Pressures are refused beyond exp of this; smaller ones at the start count as the second.
    real(wp), parameter :: largest_logarithm = 300.0_wp, least_pressure = 1.0e-100_wp
 
 contains
@@ -170,7 +171,7 @@ contains
          if (.not. abs(yield%value) > 0.0_wp) exit
          next = y - yield%value/yield%by_y
          if (.not. (yield%by_y < 0.0_wp .and. next > low .and. next < high) &
-             .or. mod(k, 8) == 0) then
+             .or. mod(k, bisection) == 0) then
             next = 0.5_wp*(low + high)
             if (high >= huge(high)) next = 2.0_wp*low + 1.0e-3_wp
          end if

@@ -93,11 +93,11 @@ contains
       if (has_tension) is_elastic = is_elastic .and. stress(1) <= planes%offset(2)
       if (is_elastic) return
       if (has_tension) then
-         call return_to_planes(2, 2, stiffness, stress, planes, all_sets, invariant)
+         call return_to_planes(2, stiffness, stress, planes, all_sets, invariant)
          if (planes%normal(1, 1)*planes%offset(2) >= (1.0_wp - round_off)*planes%offset(1) &
              .and. invariant%stress(2) <= round_off*planes%offset(1)) call clear(invariant)
       else
-         call return_to_planes(2, 1, stiffness, stress, planes, cone_sets, invariant)
+         call return_to_planes(2, stiffness, stress, planes, cone_sets, invariant)
       end if
       call expand(invariant, deviator, shear, found)
    end subroutine project_drucker_prager
@@ -163,6 +163,7 @@ contains
       planes%offset_slope(1) = strength*(factors%strength_slope*friction(3) &
          + factors%strength*friction(4)*self%friction*factors%friction_slope)
       has_tension = friction(1) > 0.0_wp .or. self%tension_cutoff < huge(1.0_wp)
+      planes%n = merge(2, 1, has_tension)
       if (.not. has_tension) return
       cutoff = huge(1.0_wp)
       if (friction(1) > 0.0_wp) cutoff = quotient([planes%offset(1), planes%offset_slope(1)], &

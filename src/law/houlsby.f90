@@ -42,6 +42,14 @@ module coulter_law_houlsby
       "elastic, moduli grow with pressure", &
       "bulk_number shear_number reference_pressure pressure_shift", "stiffness_exponent")
 
+   !> What follows from volume and deviator.
+   type :: scale_type
+      !> C = G/g, and the pressure before the shift, stress units.
+      real(wp) :: value, pressure
+      !> d value = by_volume d trace + by_deviator (deviator : d strain).
+      real(wp) :: by_volume, by_deviator
+   end type scale_type
+
    !> Exponents nearer to 1 than this are 1.
    real(wp), parameter :: nearly_one = 1.0e-6_wp
    !> Logarithm of the largest stress over the reference pressure.
@@ -85,37 +93,36 @@ contains
       type(principal_response_type), intent(out) :: response
       !> State variables: none.
       real(wp), intent(out) :: new_state(self%n_state)
-      real(wp) :: deviator(3), scale, by_volume, by_deviator, pressure, gradient(3)
+      type(scale_type) :: scale
+      real(wp) :: deviator(3), gradient(3)
       integer :: i
 
       new_state = state
       deviator = trial - sum(trial)/3.0_wp
-      call find_scale(self, -sum(trial), sum(deviator**2), scale, pressure, by_volume, &
-                      by_deviator, response%has_failed)
+      call find_scale(self, -sum(trial), sum(deviator**2), scale, response%has_failed)
       if (response%has_failed) return
-      response%stress = self%shift - pressure + 2.0_wp*self%shear*scale*deviator
+      response%stress = self%shift - scale%pressure + 2.0_wp*self%shear*scale%value*deviator
       response%strain = trial
-      ! d scale = by_volume d trial + by_deviator (deviator . d trial)
-      gradient = by_volume + by_deviator*deviator
+      gradient = scale%by_volume + scale%by_deviator*deviator
       response%tangent = 2.0_wp*self%shear*(spread(deviator, 2, 3)*spread(gradient, 1, 3) &
-                                            - scale/3.0_wp)
+                                            - scale%value/3.0_wp)
       do i = 1, 3
-         response%tangent(i, i) = response%tangent(i, i) + 2.0_wp*self%shear*scale
+         response%tangent(i, i) = response%tangent(i, i) + 2.0_wp*self%shear*scale%value
       end do
       if (self%exponent < 1.0_wp) then
          associate (a => self%bulk*(1.0_wp - self%exponent))
-            gradient = gradient*(1.0_wp - a*sum(trial)) - a*scale
+            gradient = gradient*(1.0_wp - a*sum(trial)) - a*scale%value
          end associate
       end if
       response%tangent = response%tangent - spread(gradient, 1, 3)
    end subroutine update_houlsby
 
-   !> C = G/g, the pressure before the shift, and the derivatives of C by trace and deviator.
-   pure subroutine find_scale(self, volume, square, scale, pressure, by_volume, by_deviator, &
-                              has_failed)
+   !> C and what goes with it.
+   pure subroutine find_scale(self, volume, square, scale, has_failed)
       class(houlsby_type), intent(in) :: self
+      !> Volume strain, positive in compression, and square of the deviator.
       real(wp), intent(in) :: volume, square
-      real(wp), intent(out) :: scale, pressure, by_volume, by_deviator
+      type(scale_type), intent(out) :: scale
       logical, intent(out) :: has_failed
       real(wp) :: logarithm, a, along, radius, power
 
@@ -131,16 +138,18 @@ contains
       end if
       has_failed = .not. logarithm < largest_logarithm
       if (has_failed) return
-      scale = self%reference*exp(logarithm)
-      if (self%exponent < 1.0_wp) then
-         pressure = scale*along
-         by_volume = -power*a*scale*along/radius**2
-         by_deviator = power*a*2.0_wp*self%shear*scale/radius**2
-      else
-         pressure = scale
-         by_volume = -self%bulk*scale
-         by_deviator = 2.0_wp*self%bulk*self%shear*scale
-      end if
+      associate (c => self%reference*exp(logarithm))
+         scale%value = c
+         if (self%exponent < 1.0_wp) then
+            scale%pressure = c*along
+            scale%by_volume = -power*a*c*along/radius**2
+            scale%by_deviator = power*a*2.0_wp*self%shear*c/radius**2
+         else
+            scale%pressure = c
+            scale%by_volume = -self%bulk*c
+            scale%by_deviator = 2.0_wp*self%bulk*self%shear*c
+         end if
+      end associate
    end subroutine find_scale
 
    !> See `law_type`: K and G at p_0, where p_0^2 = p^2 + k (1 - n)/(2 g) s:s.

@@ -1,7 +1,7 @@
 !> Public face of the constitutive laws. A new law is one file beside this one and three lines here.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_law
-   use coulter_base_error, only: error_type
+   use coulter_base_error, only: error_type, fatal_error
    use coulter_law_abstract, only: law_item_type, law_response_type, law_sites_type, law_type, &
       law_variable_type, law_verdict_type, law_visit_type, n_plane
    use coulter_law_cam_clay, only: cam_clay_model, cam_clay_type, new_cam_clay
@@ -10,8 +10,7 @@ module coulter_law
    use coulter_law_hencky, only: hencky_model, hencky_type, new_hencky, new_hencky_law
    use coulter_law_houlsby, only: houlsby_model, houlsby_type, new_houlsby
    use coulter_law_mohr_coulomb, only: mohr_coulomb_model, mohr_coulomb_type, new_mohr_coulomb
-   use coulter_law_parameters, only: has_word, law_model_type, law_parameter_type, law_parameters, &
-      law_values_type
+   use coulter_law_parameters, only: has_word, law_model_type, law_parameters, law_values_type
    use coulter_law_tresca, only: new_tresca, tresca_model
    use coulter_law_umat, only: n_plane_umat, n_solid_umat, new_umat, umat_settings_type, umat_type
    use coulter_law_undrained, only: make_undrained
@@ -20,7 +19,7 @@ module coulter_law
    private
    public :: law_item_type, law_response_type, law_type, law_variable_type, law_verdict_type
    public :: law_sites_type, law_visit_type, n_plane
-   public :: law_model_type, law_models, law_parameter_type, law_parameters, law_values_type
+   public :: law_model_type, law_models, law_parameters, law_values_type
    public :: hencky_type, new_hencky, new_law, has_word
    public :: make_undrained, n_plane_umat, n_solid_umat, new_umat, umat_settings_type, umat_type
 
@@ -40,7 +39,7 @@ contains
       character(len=*), intent(in) :: name
       !> Its parameters.
       type(law_values_type), intent(in) :: values
-      !> Set when they are missing, out of range or contradict each other.
+      !> Set when there is no such word, or they are missing, out of range or contradict each other.
       type(error_type), allocatable, intent(out) :: error
       type(hencky_type) :: hencky
       type(houlsby_type) :: houlsby
@@ -49,6 +48,9 @@ contains
       type(cam_clay_type) :: cam_clay
 
       select case (word)
+      case ("hencky")
+         call new_hencky_law(hencky, name, values, error)
+         if (.not. allocated(error)) allocate (item%law, source=hencky)
       case ("houlsby")
          call new_houlsby(houlsby, name, values, error)
          if (.not. allocated(error)) allocate (item%law, source=houlsby)
@@ -68,8 +70,7 @@ contains
          call new_cam_clay(cam_clay, name, values, error)
          if (.not. allocated(error)) allocate (item%law, source=cam_clay)
       case default
-         call new_hencky_law(hencky, name, values, error)
-         if (.not. allocated(error)) allocate (item%law, source=hencky)
+         call fatal_error(error, "law "//name//": there is no model '"//word//"'")
       end select
    end subroutine new_law
 

@@ -86,9 +86,9 @@ contains
       if (has_tension) is_elastic = is_elastic .and. stress(1) <= planes%offset(4)
       if (is_elastic) return
       if (has_tension) then
-         call return_to_planes(3, 6, stiffness, stress, planes, all_sets, found)
+         call return_to_planes(3, stiffness, stress, planes, all_sets, found)
       else
-         call return_to_planes(3, 3, stiffness, stress, planes, shear_sets, found)
+         call return_to_planes(3, stiffness, stress, planes, shear_sets, found)
       end if
       found%stress(order) = found%stress
       found%plastic(order) = found%plastic
@@ -126,6 +126,7 @@ contains
       planes%offset(:3) = 2.0_wp*cohesion(1)
       planes%offset_slope(:3) = 2.0_wp*cohesion(2)
       has_tension = friction(1) > 0.0_wp .or. self%tension_cutoff < huge(1.0_wp)
+      planes%n = merge(6, 3, has_tension)
       if (.not. has_tension) return
       limit = huge(1.0_wp)
       if (friction(1) > 0.0_wp) limit = quotient(cohesion, friction)

@@ -7,6 +7,7 @@ module coulter_law_parameters
    use coulter_base_error, only: error_type, fatal_error
    use coulter_base_kinds, only: wp
    use coulter_base_range, only: is_in_range
+   use coulter_base_text, only: to_text
    implicit none(type, external)
    private
    public :: law_parameter_type, law_model_type, law_values_type, law_parameters, check_values
@@ -188,26 +189,40 @@ contains
       !> Set when they are not.
       type(error_type), allocatable, intent(out) :: error
       type(law_parameter_type) :: rule
-      real(wp), allocatable :: given(:)
-      logical :: is_right
-      integer :: i, k
+      character(len=:), allocatable :: fault
+      integer :: i
 
       do i = 1, size(law_parameters)
          rule = law_parameters(i)
-         if (.not. values%has(rule%name)) then
-            if (.not. has_word(model%needs, rule%name)) cycle
-            call fatal_error(error, "law "//name//": "//trim(rule%name)//" is missing")
-            return
+         fault = ""
+         if (values%has(rule%name)) then
+            fault = fault_of(rule, model, values%list(rule%name))
+         else if (has_word(model%needs, rule%name)) then
+            fault = "is missing"
          end if
-         given = values%list(rule%name)
-         is_right = all([(is_in_range(rule%range, given(k)), k=1, size(given))]) &
-            .and. size(given) >= rule%least .and. size(given) <= rule%most &
-            .and. has_word(trim(model%needs)//" "//model%takes, rule%name)
-         if (is_right) cycle
-         call fatal_error(error, "law "//name//": "//trim(rule%name)//" must be " &
-                          //trim(rule%range))
+         if (fault == "") cycle
+         call fatal_error(error, "law "//name//": "//trim(rule%name)//" "//fault)
          return
       end do
    end subroutine check_values
+
+   !> What is wrong with the values of a parameter; empty if nothing.
+   pure function fault_of(rule, model, given) result(fault)
+      type(law_parameter_type), intent(in) :: rule
+      type(law_model_type), intent(in) :: model
+      real(wp), intent(in) :: given(:)
+      character(len=:), allocatable :: fault
+      integer :: k
+
+      fault = ""
+      if (.not. has_word(trim(model%needs)//" "//model%takes, rule%name)) then
+         fault = "is no parameter of "//trim(model%word)
+      else if (size(given) < rule%least .or. size(given) > rule%most) then
+         fault = "has "//to_text(size(given))//" values, not "//to_text(rule%least)
+         if (rule%most > rule%least) fault = fault//" to "//to_text(rule%most)
+      else if (.not. all([(is_in_range(rule%range, given(k)), k=1, size(given))])) then
+         fault = "must be "//trim(rule%range)
+      end if
+   end function fault_of
 
 end module coulter_law_parameters

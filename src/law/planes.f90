@@ -10,17 +10,20 @@ module coulter_law_planes
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: planes_type, return_type, return_to_planes, max_active
+   public :: planes_type, return_type, return_to_planes
 
    !> Largest number of planes and of stress components.
    integer, parameter :: max_planes = 6, max_active = 3
 
-   !> Pulls below this share of the trial stress come from round-off.
-   real(wp), parameter :: round_off = 1.0e-14_wp
+   !> Pulls below this share of the trial stress come from round-off, as do pivots below this share
+   !> of their diagonal.
+   real(wp), parameter :: round_off = 1.0e-14_wp, least_pivot = 1.0e-10_wp
 
    !> Planes normal . stress = offset with flow directions, and how these change with a hardening
    !> variable h. Used are the first components.
    type :: planes_type
+      !> How many there are.
+      integer :: n = 0
       !> Normals into the forbidden side, shape (stress component, plane).
       real(wp) :: normal(max_active, max_planes) = 0.0_wp
       !> Directions of plastic strain, shape as `normal`.
@@ -48,9 +51,9 @@ module coulter_law_planes
 contains
 
    !> Try sets of planes and keep the one that fits.
-   pure subroutine return_to_planes(n, n_planes, stiffness, trial, planes, sets, found)
-      !> Number of stress components and of planes.
-      integer, intent(in) :: n, n_planes
+   pure subroutine return_to_planes(n, stiffness, trial, planes, sets, found)
+      !> Number of stress components.
+      integer, intent(in) :: n
       !> Elastic stiffness.
       real(wp), intent(in) :: stiffness(n, n)
       !> Trial stress.
@@ -67,8 +70,8 @@ contains
 
       found%violation = huge(1.0_wp)
       do k = 1, size(sets, 2)
-         call activate(n, n_planes, stiffness, trial, planes, &
-                       sets(:count(sets(:, k) > 0), k), candidate, is_solved)
+         call activate(n, stiffness, trial, planes, sets(:count(sets(:, k) > 0), k), candidate, &
+                       is_solved)
          if (.not. is_solved) cycle
          if (candidate%violation < found%violation) found = candidate
          if (found%violation <= 0.0_wp) return
@@ -77,8 +80,8 @@ contains
 
    !> Stress on a set of planes: s = trial - D B l with A s = k, where the columns of A' and B are
    !> normals and flow directions; differentiated, also the tangent and the slope by h.
-   pure subroutine activate(n, n_planes, stiffness, trial, planes, set, found, is_solved)
-      integer, intent(in) :: n, n_planes, set(:)
+   pure subroutine activate(n, stiffness, trial, planes, set, found, is_solved)
+      integer, intent(in) :: n, set(:)
       real(wp), intent(in) :: stiffness(n, n), trial(n)
       type(planes_type), intent(in) :: planes
       type(return_type), intent(out) :: found
@@ -116,7 +119,7 @@ contains
          pull = -multiplier(i)*dot_product(normal(:, i), back(:, i))
          if (pull > round_off*maxval(abs(trial))) found%violation = max(found%violation, pull)
       end do
-      do i = 1, n_planes
+      do i = 1, planes%n
          if (any(set == i)) cycle
          found%violation = max(found%violation, &
                                dot_product(planes%normal(:n, i), stress) - planes%offset(i))
@@ -136,7 +139,7 @@ contains
       is_solved = .true.
       do i = 1, size(matrix, 1)
          pivot = inverse(i, i)
-         is_solved = abs(pivot) > 1.0e-10_wp*abs(matrix(i, i))
+         is_solved = abs(pivot) > least_pivot*abs(matrix(i, i))
          if (.not. is_solved) return
          inverse(i, i) = 1.0_wp
          inverse(i, :) = inverse(i, :)/pivot

@@ -64,8 +64,9 @@ module coulter_law_plastic
    end type bounds_type
 
    real(wp), parameter :: degree = acos(-1.0_wp)/180.0_wp
-   !> Trials for h, and the share of the trial strain to which it is found.
-   integer, parameter :: most_trials = 200
+   !> Trials for h, every how many of them bisect, since Newton's method may crawl at kinks of the
+   !> tables, and the share of the trial strain to which h is found.
+   integer, parameter :: most_trials = 200, bisection = 8
    real(wp), parameter :: tightness = 4.0e-15_wp, round_off = 1.0e-13_wp
 
    abstract interface
@@ -276,7 +277,7 @@ contains
          call narrow(bounds, given%start, h, excess)
          next = h + excess/(1.0_wp - guess%slope)
          if (.not. (guess%slope < 1.0_wp .and. next > bounds%low .and. next < bounds%high) &
-             .or. mod(k, 8) == 0) then
+             .or. mod(k, bisection) == 0) then
             next = merge(0.5_wp*(bounds%low + bounds%high), bounds%high, bounds%has_high)
          end if
          if (.not. abs(next - h) > 0.0_wp) exit

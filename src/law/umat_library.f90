@@ -9,8 +9,7 @@ module coulter_law_umat_library
    use coulter_law_umat_host, only: host_call
    implicit none(type, external)
    private
-   public :: umat_interface, umat_call_type, load_umat, call_umat, start_umat, n_plane_umat, &
-      n_solid_umat
+   public :: umat_call_type, load_umat, call_umat, start_umat, n_plane_umat, n_solid_umat
 
    !> Stress components of a user material in plane strain and axisymmetry, 11, 22, 33, 12, and in
    !> three dimensions, 13 and 23 as well.

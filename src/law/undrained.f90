@@ -11,7 +11,7 @@ module coulter_law_undrained
       law_visit_type, n_plane
    implicit none(type, external)
    private
-   public :: undrained_type, make_undrained
+   public :: make_undrained
 
    !> A law around another. State: ln J minus the trace of the elastic strain, and the excess pore
    !> pressure; then that of the skeleton.
