@@ -30,7 +30,7 @@ contains
       integer, intent(in) :: mirror(:)
       !> Values of A, shape (n_entries).
       real(wp), intent(in) :: values(:)
-      integer :: column, k, n
+      integer :: column, row, first, last, k, n
       real(wp) :: root(pattern%n), gap
 
       allocate (skew%row(pattern%n_entries), skew%column(pattern%n_entries), &
@@ -38,22 +38,20 @@ contains
       root = 0.0_wp
       n = 0
       do column = 1, pattern%n
-         associate (first => pattern%column_start(column) + 1, &
-                    last => pattern%column_start(column + 1))
-            k = first - 1 + findloc(pattern%row(first:last) + 1, column, dim=1)
-            if (k >= first) root(column) = sqrt(round_off*abs(values(k)))
-            do k = first, last
-               associate (row => pattern%row(k) + 1)
-                  if (row >= column) exit
-                  gap = 0.5_wp*(values(k) - values(mirror(k)))
-                  if (abs(gap) <= root(row)*root(column)) cycle
-                  n = n + 1
-                  skew%row(n) = row
-                  skew%column(n) = column
-                  skew%value(n) = gap
-               end associate
-            end do
-         end associate
+         first = pattern%column_start(column) + 1
+         last = pattern%column_start(column + 1)
+         k = first - 1 + findloc(pattern%row(first:last) + 1, column, dim=1)
+         if (k >= first) root(column) = sqrt(round_off*abs(values(k)))
+         do k = first, last
+            row = pattern%row(k) + 1
+            if (row >= column) exit
+            gap = 0.5_wp*(values(k) - values(mirror(k)))
+            if (abs(gap) <= root(row)*root(column)) cycle
+            n = n + 1
+            skew%row(n) = row
+            skew%column(n) = column
+            skew%value(n) = gap
+         end do
       end do
       skew%row = skew%row(:n)
       skew%column = skew%column(:n)

@@ -91,7 +91,6 @@ contains
       type(cells_type), intent(inout) :: cells
       !> Which cells may carry a boundary.
       type(reach_type), intent(in) :: reach
-      type(segment_type) :: segment
       integer :: b, s
 
       allocate (stations%item(64))
@@ -100,27 +99,27 @@ contains
       do b = 1, size(boundaries)
          if (.not. boundaries(b)%is_active) cycle
          do s = 1, size(boundaries(b)%vertices, 2) - 1
-            call new_segment(segment, boundaries(b)%vertices(:, s), &
-                             boundaries(b)%vertices(:, s + 1))
-            call place_on_segment(stations, boundaries(b), b, segment, s, grid, cells, reach)
+            call place_on_segment(stations, boundaries(b), b, s, grid, cells, reach)
          end do
       end do
    end subroutine build_stations
 
    !> Stations of one segment.
-   subroutine place_on_segment(stations, boundary, b, segment, s, grid, cells, reach)
+   subroutine place_on_segment(stations, boundary, b, s, grid, cells, reach)
       type(stations_type), intent(inout) :: stations
       type(boundary_type), intent(in) :: boundary
+      !> Numbers of the boundary and of the segment.
       integer, intent(in) :: b, s
-      type(segment_type), intent(in) :: segment
       type(grid_type), intent(in) :: grid
       type(cells_type), intent(inout) :: cells
       type(reach_type), intent(in) :: reach
       real(wp), allocatable :: from(:), to(:)
+      type(segment_type) :: segment
       type(station_type) :: station
       integer :: k
       logical :: is_reached
 
+      call new_segment(segment, boundary%vertices(:, s), boundary%vertices(:, s + 1))
       station%boundary = b
       station%segment = s
       station%law%normal = segment%normal
@@ -133,7 +132,7 @@ contains
                          cells, reach, station, is_reached)
          if (station%cell > 0) then
             stations%loaded_length(b) = stations%loaded_length(b) + to(k) - from(k)
-            call place_on_piece(stations, station, segment, from(k), to(k), boundary%n_gauss, &
+            call place_on_piece(stations, station, segment, [from(k), to(k)], boundary%n_gauss, &
                                 grid, cells)
          else if (is_reached) then
             stations%lost_length(b) = stations%lost_length(b) + to(k) - from(k)
@@ -195,11 +194,12 @@ contains
    end function filled_cell_beside
 
    !> Gauss points on a piece.
-   pure subroutine place_on_piece(stations, station, segment, from, to, n_gauss, grid, cells)
+   pure subroutine place_on_piece(stations, station, segment, ends, n_gauss, grid, cells)
       type(stations_type), intent(inout) :: stations
       type(station_type), intent(inout) :: station
       type(segment_type), intent(in) :: segment
-      real(wp), intent(in) :: from, to
+      !> Distances of its ends from the first one of the segment, length units.
+      real(wp), intent(in) :: ends(2)
       integer, intent(in) :: n_gauss
       type(grid_type), intent(in) :: grid
       type(cells_type), intent(in) :: cells
@@ -207,8 +207,8 @@ contains
       integer :: k
 
       do k = 1, n_gauss
-         station%distance = from + gauss_point(k, n_gauss)*(to - from)
-         station%weight = gauss_weight(k, n_gauss)*(to - from)
+         station%distance = ends(1) + gauss_point(k, n_gauss)*(ends(2) - ends(1))
+         station%weight = gauss_weight(k, n_gauss)*(ends(2) - ends(1))
          local = cells%local_position(grid, station%cell, segment%position_at(station%distance))
          station%shape = shape_values_2d(local)
          station%gradient = shape_gradients_2d(local, grid%spacing)

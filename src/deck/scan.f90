@@ -222,9 +222,9 @@ contains
          if (group%name == "output") return
          do i = size(group%assignments), 1, -1
             associate (item => group%assignments(i))
-               if (item%n_values == 1 .and. (item%name == "name" .or. item%name == "body")) then
-                 group%object = without_quotes(item%value)
-               end if
+               if (item%n_values /= 1) cycle
+               if (item%name == "name" .or. item%name == "body") &
+                  group%object = without_quotes(item%value)
             end associate
          end do
       end associate

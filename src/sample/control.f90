@@ -58,8 +58,8 @@ contains
       allocate (correction(size(modes, 2)))
       change = merge(0.0_wp, demand%change, demand%is_stress)
       do n_iterations = 0, most_iterations
-         call strain_state(law, old, change, demand%time_step, verdict, new, jacobian, has_failed)
-         if (has_failed) then
+         call strain_state(law, old, change, demand%time_step, verdict, new, jacobian)
+         if (new%has_failed) then
             failure = "the law fails"
             if (allocated(verdict%message)) failure = verdict%message
             return

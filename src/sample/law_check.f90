@@ -67,11 +67,10 @@ contains
          real(wp), intent(out) :: stress(4), jacobian(4, 4)
          type(sample_state_type) :: answer
          type(law_verdict_type), target :: verdict
-         logical :: has_failed
 
-         call strain_state(law, state, change, time_step, verdict, answer, jacobian, has_failed)
+         call strain_state(law, state, change, time_step, verdict, answer, jacobian)
          stress = answer%stress
-         if (.not. has_failed) return
+         if (.not. answer%has_failed) return
          check%failure = "the law fails"
          if (allocated(verdict%message)) check%failure = verdict%message
       end subroutine ask

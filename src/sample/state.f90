@@ -26,6 +26,8 @@ module coulter_sample_state
       real(wp), allocatable :: law_state(:)
       !> Number of the stage as phase, and of the next increment in it.
       type(law_sites_type) :: sites
+      !> Did the law fail on the way? Then the rest says nothing.
+      logical :: has_failed = .false.
    contains
       procedure :: volume_ratio
    end type sample_state_type
@@ -59,7 +61,7 @@ contains
    end subroutine start_state
 
    !> Strain a sample.
-   subroutine strain_state(law, old, change, time_step, verdict, new, jacobian, has_failed)
+   subroutine strain_state(law, old, change, time_step, verdict, new, jacobian)
       !> Law of the sample.
       class(law_type), intent(in) :: law
       !> State before.
@@ -70,12 +72,10 @@ contains
       real(wp), intent(in) :: time_step
       !> What a law that fails says.
       type(law_verdict_type), target, intent(out) :: verdict
-      !> State after.
+      !> State after; `has_failed` is set when the law failed.
       type(sample_state_type), intent(out) :: new
       !> d stress(i) / d change(j), stress units.
       real(wp), intent(out) :: jacobian(4, 4)
-      !> Did the law fail?
-      logical, intent(out) :: has_failed
       type(law_visit_type) :: visit
       type(law_sites_type), target :: sites
       type(law_response_type) :: response
@@ -92,8 +92,8 @@ contains
       call log_strain_plane(finger, trial)
       allocate (new%law_state, mold=old%law_state)
       call law%update(visit, trial, old%law_state, response, new%law_state)
-      has_failed = response%has_failed
-      if (has_failed) return
+      new%has_failed = response%has_failed
+      if (new%has_failed) return
       new%sites = old%sites
       new%sites%increment = old%sites%increment + 1
       new%time = visit%time

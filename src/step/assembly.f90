@@ -10,7 +10,7 @@ module coulter_step_assembly
    use coulter_step_body_field, only: add_body_field
    use coulter_step_edge_loads, only: add_pressures, add_tractions
    use coulter_step_patch_assembly, only: add_patches
-   use coulter_step_point_kernel, only: add_point
+   use coulter_step_point_kernel, only: add_force, add_stiffness, point_response_type, respond
    use coulter_step_system, only: system_type
    use coulter_step_tile_assembly, only: add_tiles, sum_tangent
    implicit none(type, external)
@@ -97,8 +97,8 @@ contains
       real(wp), intent(out) :: force(2, 4), stiffness(2, 4, 2, 4)
       integer, intent(out) :: failed_point
       real(wp) :: gradient(2, 4), spacing(2)
+      type(point_response_type) :: response
       integer :: k, p
-      logical :: has_failed
 
       force = 0.0_wp
       stiffness = 0.0_wp
@@ -108,13 +108,16 @@ contains
          gradient = shape_gradients_2d(system%cells%local_position(model%grid, c, &
                                           model%points%position(:, p)), spacing)
          associate (item => model%laws(model%bodies(model%points%body(p))%law))
-            call add_point(item%law, system%visit(p), gradient, increment, &
-                           model%points%reference_volume(p), &
-                           model%points%converged%elastic_finger(:, p), &
-                           model%points%converged%law_state(:, p), force, stiffness, has_failed)
+            call respond(item%law, system%visit(p), gradient, increment, &
+                         model%points%converged%elastic_finger(:, p), &
+                         model%points%converged%law_state(:, p), response)
          end associate
          failed_point = p
-         if (has_failed) return
+         if (response%has_failed) return
+         associate (volume => model%points%reference_volume(p))
+            call add_force(response%gradient, response%stress, volume, force)
+            call add_stiffness(response%gradient, response%moduli, volume, stiffness)
+         end associate
       end do
       failed_point = 0
    end subroutine sum_points

@@ -1,11 +1,9 @@
 !> Linear systems with a border: the unknowns of the nodes and the free components of tools.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_border_solve
-   use coulter_algebra_solver, only: solver_type
-   use coulter_algebra_sparse, only: pattern_type
    use coulter_base_kinds, only: wp
-   use coulter_step_border, only: border_type
    use coulter_step_dofs, only: dofs_type, reduce
+   use coulter_step_system, only: system_type
    implicit none(type, external)
    private
    public :: solve_bordered
@@ -19,45 +17,44 @@ contains
 
    !> Solve tangent times correction = - unbalanced, border included, by elimination of the nodes:
    !> the nodes move with every free motion, and the rest is a small dense system.
-   subroutine solve_bordered(border, solver, pattern, values, dofs, unbalanced, correction, &
-                             has_failed, error)
-      !> Border, summed up; gets `unheld`.
-      type(border_type), intent(inout) :: border
-      !> Solver that has factorised the tangent of the nodes.
-      type(solver_type), intent(inout) :: solver
-      !> That tangent.
-      type(pattern_type), intent(in) :: pattern
-      real(wp), intent(in) :: values(:)
-      !> Numbering of the unknowns.
-      type(dofs_type), intent(in) :: dofs
+   subroutine solve_bordered(system, unbalanced, error, correction, has_failed)
+      !> System whose solver has factorised the tangent of the nodes, with its border summed up; this
+      !> gets `unheld`.
+      type(system_type), intent(inout) :: system
       !> Unbalanced force, free components last, shape (n_dofs + n).
       real(wp), intent(in) :: unbalanced(:)
-      !> Correction, shape as this.
+      !> Relative error that the correction may have.
+      real(wp), intent(in) :: error
+      !> Correction, shape as the force.
       real(wp), intent(inout) :: correction(:)
       !> Has the solver failed, or is a free tool held by nothing?
       logical, intent(out) :: has_failed
-      !> Relative error that the correction may have.
-      real(wp), intent(in) :: error
-      real(wp) :: follows(dofs%n_dofs, border%n), row(dofs%n_dofs, border%n)
-      real(wp) :: schur(border%n, border%n), right(border%n), column(dofs%n_dofs)
+      real(wp), dimension(system%dofs%n_dofs, system%border%n) :: follows, row
+      real(wp) :: schur(system%border%n, system%border%n), right(system%border%n)
+      real(wp) :: column(system%dofs%n_dofs)
       integer :: j, n, unheld
 
-      n = dofs%n_dofs
-      border%unheld = 0
-      call solver%solve(pattern, values, -unbalanced(:n), correction(:n), has_failed, error)
-      if (has_failed .or. border%n == 0) return
-      do j = 1, border%n
-         call reduce_copy(dofs, border%column(:, :, j), column)
-         call reduce_copy(dofs, border%row(:, :, j), row(:, j))
-         follows(:, j) = 0.0_wp
-         call solver%solve(pattern, values, -column, follows(:, j), has_failed, error)
-         if (has_failed) return
-      end do
-      schur = border%block + matmul(transpose(row), follows)
-      right = -unbalanced(n + 1:) - matmul(transpose(row), correction(:n))
-      call solve_small(schur, right, [maxval(abs(border%block)), maxval(abs(border%load))], unheld)
-      has_failed = unheld > 0
-      if (has_failed) border%unheld = border%boundary(unheld)
+      n = system%dofs%n_dofs
+      associate (border => system%border, solver => system%solver)
+         border%unheld = 0
+         call solver%solve(system%pattern, system%values, -unbalanced(:n), correction(:n), &
+                           has_failed, error)
+         if (has_failed .or. border%n == 0) return
+         do j = 1, border%n
+            call reduce_copy(system%dofs, border%column(:, :, j), column)
+            call reduce_copy(system%dofs, border%row(:, :, j), row(:, j))
+            follows(:, j) = 0.0_wp
+            call solver%solve(system%pattern, system%values, -column, follows(:, j), has_failed, &
+                              error)
+            if (has_failed) return
+         end do
+         schur = border%block + matmul(transpose(row), follows)
+         right = -unbalanced(n + 1:) - matmul(transpose(row), correction(:n))
+         call solve_small(schur, right, [maxval(abs(border%block)), maxval(abs(border%load))], &
+                          unheld)
+         has_failed = unheld > 0
+         if (has_failed) border%unheld = border%boundary(unheld)
+      end associate
       if (has_failed) return
       correction(:n) = correction(:n) + matmul(follows, right)
       correction(n + 1:) = right

@@ -18,18 +18,18 @@ contains
       type(system_type), intent(inout) :: system
       !> Scene.
       type(model_type), intent(in) :: model
-      real(wp) :: at_corners(2, model%tiling%n_corners)
-      integer :: e, v
+      real(wp) :: at_corners(2, model%tiling%n_corners), half(2)
+      integer :: e, v, corner
 
       if (size(system%loaded_edges) == 0) return
       at_corners = 0.0_wp
       do e = 1, size(system%loaded_edges)
          associate (edge => system%loaded_edges(e))
+            half = 0.5_wp*edge%length*model%edge_loads(edge%load)%traction &
+               *edge_load_factor(model, edge%load, system%end_time)
             do v = 1, 2
-               associate (force => at_corners(:, model%tiling%corner(edge%vertex(v), edge%tile)))
-                  force = force + 0.5_wp*edge%length*model%edge_loads(edge%load)%traction &
-                     *edge_load_factor(model, edge%load, system%end_time)
-               end associate
+               corner = model%tiling%corner(edge%vertex(v), edge%tile)
+               at_corners(:, corner) = at_corners(:, corner) + half
             end do
          end associate
       end do

@@ -276,10 +276,9 @@ contains
       call system%watch%start(phase_factorise)
       if (.not. is_old) call system%solver%refresh(system%pattern, system%values, has_failed)
       call system%watch%start(phase_solve)
-      if (.not. has_failed) call solve_bordered(system%border, system%solver, system%pattern, &
-                                                system%values, system%dofs, newton%unbalanced, &
-                                                newton%correction, has_failed, &
-                                                forcing(newton, model%control%tolerance))
+      if (.not. has_failed) call solve_bordered(system, newton%unbalanced, &
+                                                forcing(newton, model%control%tolerance), &
+                                                newton%correction, has_failed)
       call system%watch%stop()
       if (.not. has_failed) has_failed = maxval(abs(newton%correction)) &
          > largest_motion*maxval(model%grid%upper_corner() - model%grid%origin)

@@ -156,7 +156,6 @@ contains
       integer, intent(out) :: failed_point
       real(wp) :: stretch
       integer :: k
-      logical :: has_failed
 
       do k = 1, size(part)
          associate (p => part(k)%point, &
@@ -165,9 +164,9 @@ contains
             call respond(item%law, system%visit(p), unit_gradient, &
                          stretch*part(k)%slope + (stretch - 1.0_wp)*unit_gradient, &
                          model%points%converged%elastic_finger(:, p), &
-                         model%points%converged%law_state(:, p), part(k)%response, has_failed)
+                         model%points%converged%law_state(:, p), part(k)%response)
             failed_point = p
-            if (has_failed) return
+            if (part(k)%response%has_failed) return
             ! gradients are those of the deformation itself
             part(k)%response%inverse = stretch*part(k)%response%inverse
          end associate

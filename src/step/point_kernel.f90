@@ -8,7 +8,7 @@ module coulter_step_point_kernel
    use coulter_law, only: law_response_type, law_type, law_visit_type, n_plane
    implicit none(type, external)
    private
-   public :: point_response_type, deform_point, respond, add_point, add_force, add_stiffness
+   public :: point_response_type, deform_point, respond, add_force, add_stiffness
 
    !> What a point answers to displacement increments.
    type :: point_response_type
@@ -20,6 +20,8 @@ module coulter_step_point_kernel
       real(wp) :: gradient(2, 4) = 0.0_wp
       !> Inverse of the in-plane deformation gradient of the step.
       real(wp) :: inverse(2, 2) = 0.0_wp
+      !> Is the point turned inside out, or did its law fail? Then the rest says nothing.
+      logical :: has_failed = .false.
    end type point_response_type
 
 contains
@@ -59,8 +61,7 @@ contains
    end subroutine deform_point
 
    !> Stress and spatial moduli of a point at the end of the step.
-   subroutine respond(law, visit, gradient, increment, converged_finger, law_state, response, &
-                      has_failed)
+   subroutine respond(law, visit, gradient, increment, converged_finger, law_state, response)
       !> Law of the point.
       class(law_type), intent(in) :: law
       !> Where and when the law is asked.
@@ -75,24 +76,22 @@ contains
       real(wp), intent(in) :: law_state(:)
       !> What the point answers.
       type(point_response_type), intent(out) :: response
-      !> Is the point turned inside out, or did its law fail?
-      logical, intent(out) :: has_failed
       real(wp) :: deformation(2, 2), volume_ratio, finger(4), strain(n_plane)
       type(law_visit_type) :: here
       type(law_response_type) :: answer
       real(wp) :: new_state(law%n_state)
 
       call deform_point(gradient, increment, converged_finger, deformation, volume_ratio, finger)
-      has_failed = .not. volume_ratio > 0.0_wp
-      if (has_failed) return
+      response%has_failed = .not. volume_ratio > 0.0_wp
+      if (response%has_failed) return
       response%inverse = inverse_2d(deformation, volume_ratio)
       response%gradient = matmul(transpose(response%inverse), gradient)
       call log_strain_plane(finger, strain)
       here = visit
       here%deformation = deformation
       call law%update(here, strain, law_state(:law%n_state), answer, new_state)
-      has_failed = answer%has_failed
-      if (has_failed) return
+      response%has_failed = answer%has_failed
+      if (response%has_failed) return
       response%stress = answer%stress
       if (.not. visit%needs_moduli) return
       if (visit%stiffening > 0.0_wp .and. .not. law%is_elastic) then
@@ -118,40 +117,7 @@ contains
       end do
    end subroutine stiffen
 
-   !> Add the internal force and the tangent of a point to those of its cell:
-   !> f_v = tau dN_v/dx V0 and K_vw = V0 dN_v,j A_ijkl dN_w,l. Arguments: see `respond`.
-   subroutine add_point(law, visit, gradient, increment, volume, converged_finger, law_state, &
-                        force, stiffness, has_failed)
-      !> Law of the point.
-      class(law_type), intent(in) :: law
-      !> Where and when the law is asked.
-      type(law_visit_type), intent(in) :: visit
-      !> Shape function gradients at the start of the step, per length.
-      real(wp), intent(in) :: gradient(2, 4)
-      !> Displacement increments of the nodes, length units.
-      real(wp), intent(in) :: increment(2, 4)
-      !> Reference volume.
-      real(wp), intent(in) :: volume
-      !> Converged elastic left Cauchy-Green tensor xx, yy, zz, xy.
-      real(wp), intent(in) :: converged_finger(4)
-      !> Converged state variables, shape (>= law%n_state).
-      real(wp), intent(in) :: law_state(:)
-      !> Internal force of the cell on its nodes, shape (component, node).
-      real(wp), intent(inout) :: force(2, 4)
-      !> Tangent of the cell, shape (component, node, component, node).
-      real(wp), intent(inout) :: stiffness(2, 4, 2, 4)
-      !> Is the point turned inside out, or did its law fail?
-      logical, intent(out) :: has_failed
-      type(point_response_type) :: response
-
-      call respond(law, visit, gradient, increment, converged_finger, law_state, response, &
-                   has_failed)
-      if (has_failed) return
-      call add_force(response%gradient, response%stress, volume, force)
-      call add_stiffness(response%gradient, response%moduli, volume, stiffness)
-   end subroutine add_point
-
-   !> Add the internal force.
+   !> Add the internal force of a point to that of its cell: f_v = tau dN_v/dx V0.
    pure subroutine add_force(gradient, stress, volume, force)
       !> Shape function gradients at the end of the step, per length.
       real(wp), intent(in) :: gradient(2, 4)
@@ -168,7 +134,8 @@ contains
          + volume*(stress(4)*gradient(1, :) + stress(2)*gradient(2, :))
    end subroutine add_force
 
-   !> Add the tangent, contracted directly: twice as fast as with strain-displacement matrices.
+   !> Add the tangent of a point, K_vw = V0 dN_v,j A_ijkl dN_w,l, contracted directly: twice as fast as
+   !> with strain-displacement matrices.
    pure subroutine add_stiffness(gradient, moduli, volume, stiffness)
       !> Shape function gradients at the end of the step, per length.
       real(wp), intent(in) :: gradient(2, 4)

@@ -194,7 +194,7 @@ contains
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
       type(patch_functions_type) :: functions
-      integer :: e, k, p, a
+      integer :: node, e, k, p, a
       real(wp) :: mass
 
       do e = 1, system%patches%n
@@ -205,9 +205,8 @@ contains
             call functions_in_patch(system%patches, model%grid, e, model%points%position(:, p), p, &
                                     functions)
             do a = 1, functions%n
-               associate (node => system%patches%node(functions%place(a), e))
-                  system%nodal_mass(node) = system%nodal_mass(node) + mass*functions%value(a)
-               end associate
+               node = system%patches%node(functions%place(a), e)
+               system%nodal_mass(node) = system%nodal_mass(node) + mass*functions%value(a)
             end do
          end do
       end do

@@ -32,7 +32,7 @@ contains
       type(system_type) :: system
       type(scene_report_type) :: scene
       real(wp) :: reported(n_phases)
-      integer :: step
+      integer :: step, phase
 
       allocate (system%verdict)
       call new_stopwatch(system%watch, n_phases)
@@ -43,12 +43,11 @@ contains
          call observer%start(model, scene, error)
          do step = 1, size(model%schedule%end_time)
             if (allocated(error)) exit
-            associate (phase => model%schedule%phase_of(step))
-               if (phase > model%schedule%phase_of(step - 1)) then
-                  call begin_phase(model, system, phase)
-                  call open_sites(system, model, phase)
-               end if
-            end associate
+            phase = model%schedule%phase_of(step)
+            if (phase > model%schedule%phase_of(step - 1)) then
+               call begin_phase(model, system, phase)
+               call open_sites(system, model, phase)
+            end if
             call run_load_step(model, system, step, reported, observer, error)
          end do
          call observer%finish(model, error, system%watch%seconds - reported)

@@ -292,17 +292,16 @@ contains
       type(cells_type), intent(in) :: cells
       type(tiling_type), intent(in) :: tiling
       type(grid_type), intent(in) :: grid
-      integer :: p, k, a
+      integer :: corner, p, k, a
 
       allocate (map%node_area(cells%n_nodes), source=0.0_wp)
       do p = 1, size(tiling%corner, 2)
          do k = 1, 4
-            associate (corner => tiling%corner(k, p))
-               do a = 1, 4
-                  map%node_area(map%node(a, corner)) = map%node_area(map%node(a, corner)) &
-                     + 0.25_wp*map%area(p)*map%shape(a, corner)
-               end do
-            end associate
+            corner = tiling%corner(k, p)
+            do a = 1, 4
+               map%node_area(map%node(a, corner)) = map%node_area(map%node(a, corner)) &
+                  + 0.25_wp*map%area(p)*map%shape(a, corner)
+            end do
          end do
       end do
       map%node_area = map%node_area/grid%cell_volume()

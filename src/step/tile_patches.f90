@@ -81,7 +81,7 @@ contains
    pure subroutine list_corners(patches, tiling)
       type(tile_patches_type), intent(inout) :: patches
       type(tiling_type), intent(in) :: tiling
-      integer :: last_place(tiling%n_corners), list(4*size(patches%tile)), e, k, v, n
+      integer :: last_place(tiling%n_corners), list(4*size(patches%tile)), corner, e, k, v, n
 
       allocate (patches%corner_start(patches%n + 1), source=1)
       allocate (patches%place(4, size(tiling%patch)), source=0)
@@ -90,14 +90,13 @@ contains
       do e = 1, patches%n
          do k = patches%tile_start(e), patches%tile_start(e + 1) - 1
             do v = 1, 4
-               associate (corner => tiling%corner(v, patches%tile(k)))
-                  if (last_place(corner) < patches%corner_start(e)) then
-                     n = n + 1
-                     list(n) = corner
-                     last_place(corner) = n
-                  end if
-                  patches%place(v, patches%tile(k)) = last_place(corner)
-               end associate
+               corner = tiling%corner(v, patches%tile(k))
+               if (last_place(corner) < patches%corner_start(e)) then
+                  n = n + 1
+                  list(n) = corner
+                  last_place(corner) = n
+               end if
+               patches%place(v, patches%tile(k)) = last_place(corner)
             end do
          end do
          patches%corner_start(e + 1) = n + 1

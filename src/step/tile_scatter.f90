@@ -38,8 +38,9 @@ contains
          call respond(item%law, system%visit(tile), system%map%gradient(:, :, tile), &
                       values_at(model%tiling%corner(:, tile), system%map%increment), &
                       model%points%converged%elastic_finger(:, tile), &
-                      model%points%converged%law_state(:, tile), response, has_failed)
+                      model%points%converged%law_state(:, tile), response)
       end associate
+      has_failed = response%has_failed
    end subroutine respond_tile
 
    !> Add the forces of a tile to those of its corners; a triangle has one corner twice.

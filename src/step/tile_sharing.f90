@@ -97,7 +97,8 @@ contains
          call respond(item%law, system%visit(tile), system%map%gradient(:, :, tile), &
                       stretch*system%map%increment(:, corner) + (stretch - 1.0_wp)*from_first, &
                       model%points%converged%elastic_finger(:, tile), &
-                      model%points%converged%law_state(:, tile), response, has_failed)
+                      model%points%converged%law_state(:, tile), response)
+         has_failed = response%has_failed
          ! gradients are those of the deformation itself
          response%inverse = stretch*response%inverse
          response%gradient = stretch*response%gradient
