@@ -1,4 +1,4 @@
-!> Reads what holds and moves the bodies: fixities of grid nodes and implicit boundaries.
+!> Reads boundaries: what holds, rubs and moves the bodies.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_deck_boundaries
    use coulter_base_kinds, only: wp
@@ -10,12 +10,10 @@ module coulter_deck_boundaries
    use coulter_deck_references, only: check_unique_names, get_reference
    use coulter_deck_schedule, only: n_equal_steps, read_acting_phases
    use coulter_deck_values, only: get_choice, get_list, get_value, is_given, refuse
-   use coulter_grid, only: grid_type
-   use coulter_model, only: fixity_type
    use coulter_model_control, only: domains_tiles, schedule_type
    implicit none(type, external)
    private
-   public :: read_fixities, read_boundaries, read_friction, read_motion
+   public :: read_boundaries, read_friction, read_motion
 
    !> Widest band over the spacing at which the coupling term K2 is safe: at 0.1 Newton converges,
    !> to stresses that are wrong by a third (theory, section 3).
@@ -25,74 +23,6 @@ module coulter_deck_boundaries
       "friction", "adhesion", "shear_limit", "rough", "tension_limit", "tension_opening"]
 
 contains
-
-   !> All fixities.
-   subroutine read_fixities(deck, grid, fixities)
-      !> Scanned deck, which notes faults.
-      type(deck_type), intent(inout) :: deck
-      !> Background grid, to whose sides fixities may refer.
-      type(grid_type), intent(in) :: grid
-      !> Fixities in the order of the deck.
-      type(fixity_type), allocatable, intent(out) :: fixities(:)
-      integer, allocatable :: groups(:)
-      integer :: i, held
-
-      call check_unique_names(deck, "fixity")
-      call find_groups(deck, "fixity", groups)
-      allocate (fixities(size(groups)))
-      do i = 1, size(groups)
-         associate (fixity => fixities(i))
-            fixity%name = ""
-            call get_value(deck, groups(i), "name", fixity%name)
-            held = 3
-            call get_choice(deck, groups(i), "held", held)
-            fixity%is_held = [held /= 2, held /= 1]
-            call read_box(deck, groups(i), grid, fixity)
-            call read_acting_phases(deck, groups(i), fixity%first_phase, fixity%last_phase)
-         end associate
-      end do
-   end subroutine read_fixities
-
-   !> Box of a fixity: a side of the grid, or given by its corners.
-   subroutine read_box(deck, group, grid, fixity)
-      type(deck_type), intent(inout) :: deck
-      integer, intent(in) :: group
-      type(grid_type), intent(in) :: grid
-      type(fixity_type), intent(inout) :: fixity
-      integer :: side
-      logical :: has_side, has_lower, has_upper
-
-      has_side = is_given(deck, group, "side")
-      has_lower = is_given(deck, group, "lower")
-      has_upper = is_given(deck, group, "upper")
-      if (has_side .and. (has_lower .or. has_upper)) then
-         call blame(deck, group, "side", "stands beside a box; give `side`, or `lower` and `upper`")
-      else if (.not. (has_side .or. (has_lower .and. has_upper) &
-                      .or. deck%groups(group)%is_broken)) then
-         call blame(deck, group, "", "needs `side`, or `lower` and `upper`")
-      end if
-      ! a margin, so that round-off does not lose the nodes of a side
-      fixity%lower = grid%origin - 0.25_wp*grid%spacing
-      fixity%upper = grid%upper_corner() + 0.25_wp*grid%spacing
-      side = 0
-      call get_choice(deck, group, "side", side)
-      select case (side)
-      case (1)
-         fixity%upper(1) = grid%origin(1) + 0.25_wp*grid%spacing(1)
-      case (2)
-         fixity%lower(1) = fixity%upper(1) - 0.5_wp*grid%spacing(1)
-      case (3)
-         fixity%upper(2) = grid%origin(2) + 0.25_wp*grid%spacing(2)
-      case (4)
-         fixity%lower(2) = fixity%upper(2) - 0.5_wp*grid%spacing(2)
-      case default
-         call get_value(deck, group, "lower", fixity%lower)
-         call get_value(deck, group, "upper", fixity%upper)
-         if (has_lower .and. has_upper .and. any(fixity%upper < fixity%lower)) then
-           call blame(deck, group, "upper", "must not be less than `lower`")
-         end if
-      end select
-   end subroutine read_box
 
    !> All implicit boundaries.
    subroutine read_boundaries(deck, schedule, domains, boundaries)

@@ -8,9 +8,10 @@
 module coulter_deck
    use coulter_base_error, only: error_type, fatal_error
    use coulter_deck_bodies, only: read_bodies
-   use coulter_deck_boundaries, only: read_boundaries, read_fixities
+   use coulter_deck_boundaries, only: read_boundaries
    use coulter_deck_document, only: deck_type, describe_faults, first_group
    use coulter_deck_file, only: read_text
+   use coulter_deck_fixities, only: read_fixities
    use coulter_deck_laws, only: read_laws
    use coulter_deck_loads, only: read_body_force, read_edge_loads, read_tables
    use coulter_deck_motions, only: read_motions

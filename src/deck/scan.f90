@@ -223,8 +223,8 @@ contains
          do i = size(group%assignments), 1, -1
             associate (item => group%assignments(i))
                if (item%n_values /= 1) cycle
-               if (item%name == "name" .or. item%name == "body") &
-                  group%object = without_quotes(item%value)
+               if (item%name /= "name" .and. item%name /= "body") cycle
+               group%object = without_quotes(item%value)
             end associate
          end do
       end associate

@@ -18,8 +18,8 @@ contains
    !> Solve tangent times correction = - unbalanced, border included, by elimination of the nodes:
    !> the nodes move with every free motion, and the rest is a small dense system.
    subroutine solve_bordered(system, unbalanced, error, correction, has_failed)
-      !> System whose solver has factorised the tangent of the nodes, with its border summed up; this
-      !> gets `unheld`.
+      !> System whose solver has factorised the tangent of the nodes, with its border summed up,
+      !> which gets `unheld`.
       type(system_type), intent(inout) :: system
       !> Unbalanced force, free components last, shape (n_dofs + n).
       real(wp), intent(in) :: unbalanced(:)

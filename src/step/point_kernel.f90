@@ -134,8 +134,8 @@ contains
          + volume*(stress(4)*gradient(1, :) + stress(2)*gradient(2, :))
    end subroutine add_force
 
-   !> Add the tangent of a point, K_vw = V0 dN_v,j A_ijkl dN_w,l, contracted directly: twice as fast as
-   !> with strain-displacement matrices.
+   !> Add the tangent of a point, K_vw = V0 dN_v,j A_ijkl dN_w,l, contracted directly: twice as fast
+   !> as with strain-displacement matrices.
    pure subroutine add_stiffness(gradient, moduli, volume, stiffness)
       !> Shape function gradients at the end of the step, per length.
       real(wp), intent(in) :: gradient(2, 4)
