@@ -8,6 +8,8 @@ module coulter_step_newton
    use coulter_model_observer, only: phase_factorise, phase_solve
    use coulter_step_border_solve, only: solve_bordered
    use coulter_step_contact_state, only: augment_contacts
+   use coulter_step_diagnosis, only: contact_watch_type, explain_singular, explain_stall, &
+      n_watched, watch_contacts
    use coulter_step_guess, only: guess_motion
    use coulter_step_iterate, only: evaluate, evaluate_again, is_tangent_good_enough, measure, &
       newton_type
@@ -49,6 +51,7 @@ contains
       type(system_type), intent(inout) :: system
       !> Scene at the start of the step.
       type(model_type), intent(in) :: model
+      type(contact_watch_type) :: watch
       logical :: is_done
       integer :: i, round
 
@@ -62,8 +65,13 @@ contains
       do while (.not. allocated(newton%failure))
          if (system%border%n > 0) call land(newton, system, model)
          call measure(newton, system)
+         if (newton%n_iterations == 0) watch = contact_watch_type()
+         if (newton%n_iterations >= model%control%max_iterations - n_watched) then
+            call watch_contacts(watch, system%contacts)
+         end if
          call judge(newton, model, is_done)
          if (allocated(newton%failure)) then
+            newton%failure = newton%failure//explain_stall(newton, watch, system, model)
             call begin_again(newton, system, model)
             cycle
          else if (system%is_smooth .and. (is_done .or. is_near(newton))) then
@@ -288,8 +296,7 @@ contains
          newton%failure = "tool "//model%boundaries(system%border%unheld)%name &
             //" is free to move, and nothing holds it against its load"
       else if (has_failed) then
-         newton%failure = "the tangent is singular: the material is unstable, or a body is free" &
-            //" to move since no boundary or fixity holds it"
+         newton%failure = explain_singular(system, model)
       end if
    end subroutine solve_tangent
 
