@@ -2,7 +2,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_penetration
    use coulter_base_kinds, only: wp
-   use coulter_base_polygon, only: contains_point, distance_to_segment, winding_number
+   use coulter_base_polygon, only: area_and_centroid, contains_point, distance_to_segment, &
+      winding_number
    use coulter_boundary, only: boundary_type
    use coulter_boundary_contact, only: contacts_type
    use coulter_boundary_face, only: face_type, flatten, new_face, place_on, place_type
@@ -20,7 +21,7 @@ module coulter_step_penetration
 contains
 
    !> Depth of the deepest point, or corner of a tile, behind every boundary, among those whose foot
-   !> lies on one of its faces, of solid tools among those inside; and of the deepest corner of
+   !> lies on one of its faces, of solid ones among those inside; and of the deepest corner of
    !> every tool in a tiled body. Corners that give way beside open ends do not count: they stay
    !> behind until new tiles come.
    pure subroutine measure_penetrations(report, model, contacts)
@@ -75,7 +76,7 @@ contains
       real(wp) :: deepest
       integer :: s
 
-      if (boundary%is_solid) then
+      if (is_solid(boundary)) then
          deepest = depth_inside(boundary, position, flatness*spacing)
          return
       end if
@@ -84,6 +85,18 @@ contains
          deepest = max(deepest, depth_behind(boundary, s, position))
       end do
    end function penetration
+
+   !> Does a closed chain of faces look outwards? They have the material on their left.
+   pure function is_solid(boundary) result(answer)
+      type(boundary_type), intent(in) :: boundary
+      logical :: answer
+      real(wp) :: area, centroid(2)
+
+      answer = boundary%is_solid
+      if (answer .or. .not. is_closed(boundary)) return
+      call area_and_centroid(boundary%vertices, area, centroid)
+      answer = area < 0.0_wp
+   end function is_solid
 
    !> Depth of the deepest point inside a closed chain of faces, whose arcs are flattened.
    pure function depth_inside(boundary, position, sagitta) result(deepest)
