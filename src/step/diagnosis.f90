@@ -52,7 +52,7 @@ contains
       else
          where ((state == 0) .neqv. (watch%state == 0))
             watch%n_openings = watch%n_openings + 1
-         elsewhere (state /= watch%state)
+         else where (state /= watch%state)
             watch%n_slips = watch%n_slips + 1
          end where
       end if

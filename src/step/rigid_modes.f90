@@ -17,8 +17,8 @@ module coulter_step_rigid_modes
 
    !> What holds some bodies.
    type :: hold_type
-      !> Sum over all that holds it of r r^T, where r . (translation, rotation times size) is the way
-      !> that it prevents.
+      !> Sum over all that holds them of r r^T, where r . (translation, rotation times size) is the
+      !> way that it prevents.
       real(wp) :: gram(3, 3) = 0.0_wp
       !> A place in it, and its size, length units.
       real(wp) :: centre(2) = 0.0_wp, size = 1.0_wp
