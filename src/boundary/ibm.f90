@@ -8,7 +8,7 @@ module coulter_boundary_ibm
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: station_law_type, station_kernel_2d, band_stiffness_factor
+   public :: station_law_type, station_response_type, station_kernel_2d, band_stiffness_factor
 
    !> Integral of (delta d')^2 over the band, divided by delta: d' is the slope of d.
    real(wp), parameter :: band_stiffness_factor = 4.0_wp/3.0_wp
@@ -27,6 +27,16 @@ module coulter_boundary_ibm
       real(wp) :: lame_lambda = 0.0_wp, shear_modulus = 0.0_wp
    end type station_law_type
 
+   !> What a station answers.
+   type :: station_response_type
+      !> Nodal force per length of boundary, to be added to the residual, shape (component, node).
+      real(wp) :: force(2, 4)
+      !> Its derivative by the increments, symmetric.
+      real(wp) :: tangent(2, 4, 2, 4)
+      !> Traction (normal, tangential) on the boundary, tension positive, stress units.
+      real(wp) :: traction(2)
+   end type station_response_type
+
 contains
 
    !> Traction, nodal forces and tangent of a station that holds the displacement increment at a
@@ -35,8 +45,7 @@ contains
    !> With the directions e_1 = n, e_2 = t, the rows M_i = e_i N and the half tractions
    !> q_i = (W C)_i G of K2, the traction component is t_i = k_i w_i + q_i du + memory_i, and
    !> f = sum_i M_i t_i + q_i w_i, K = sum_i k_i M_i M_i + M_i q_i + q_i M_i.
-   pure subroutine station_kernel_2d(law, shape, gradient, increment, prescribed, memory, &
-                                     force, tangent, traction)
+   pure subroutine station_kernel_2d(law, shape, gradient, increment, prescribed, memory, response)
       !> Constants of the station.
       type(station_law_type), intent(in) :: law
       !> Shape functions of the four nodes.
@@ -49,34 +58,32 @@ contains
       real(wp), intent(in) :: prescribed(2)
       !> Traction (normal, tangential) remembered from earlier steps, stress units.
       real(wp), intent(in) :: memory(2)
-      !> Nodal force per length of boundary, to be added to the residual.
-      real(wp), intent(out) :: force(2, 4)
-      !> Its derivative by the increments, symmetric.
-      real(wp), intent(out) :: tangent(2, 4, 2, 4)
-      !> Traction (normal, tangential) on the boundary, tension positive, stress units.
-      real(wp), intent(out) :: traction(2)
+      !> What the station answers.
+      type(station_response_type), intent(out) :: response
       real(wp) :: direction(2, 2), moved(2, 4), half(2, 4), gap, stiffness
       integer :: i, k, b
 
       direction(:, 1) = law%normal
       direction(:, 2) = [law%normal(2), -law%normal(1)]
-      force = 0.0_wp
-      tangent = 0.0_wp
-      traction = 0.0_wp
-      do i = 1, law%n_held
-         moved = spread(direction(:, i), 2, 4)*spread(shape, 1, 2)
-         half = half_traction(law, gradient, direction, i)
-         stiffness = band_stiffness(law, i)
-         gap = sum(moved*increment) - dot_product(direction(:, i), prescribed)
-         traction(i) = stiffness*gap + sum(half*increment) + memory(i)
-         force = force + moved*traction(i) + half*gap
-         do b = 1, 4
-            do k = 1, 2
-               tangent(:, :, k, b) = tangent(:, :, k, b) + half*moved(k, b) &
-                  + moved*(stiffness*moved(k, b) + half(k, b))
+      response%force = 0.0_wp
+      response%tangent = 0.0_wp
+      response%traction = 0.0_wp
+      associate (force => response%force, tangent => response%tangent)
+         do i = 1, law%n_held
+            moved = spread(direction(:, i), 2, 4)*spread(shape, 1, 2)
+            half = half_traction(law, gradient, direction, i)
+            stiffness = band_stiffness(law, i)
+            gap = sum(moved*increment) - dot_product(direction(:, i), prescribed)
+            response%traction(i) = stiffness*gap + sum(half*increment) + memory(i)
+            force = force + moved*response%traction(i) + half*gap
+            do b = 1, 4
+               do k = 1, 2
+                  tangent(:, :, k, b) = tangent(:, :, k, b) + half*moved(k, b) &
+                     + moved*(stiffness*moved(k, b) + half(k, b))
+               end do
             end do
          end do
-      end do
+      end associate
    end subroutine station_kernel_2d
 
    !> Stiffness of K3 in one direction, stress per length.

@@ -3,7 +3,7 @@
 module coulter_step_assembly
    use coulter_algebra_sparse, only: add_element_matrix
    use coulter_base_kinds, only: wp
-   use coulter_boundary_ibm, only: station_kernel_2d
+   use coulter_boundary_ibm, only: station_kernel_2d, station_response_type
    use coulter_boundary_motion, only: motion_type
    use coulter_grid_shape, only: shape_gradients_2d
    use coulter_model, only: body_force_factor, boundary_motion, model_type
@@ -126,7 +126,8 @@ contains
    subroutine add_stations(system, model)
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
-      real(wp) :: force(2, 4), tangent(2, 4, 2, 4), prescribed(2, size(model%boundaries))
+      real(wp) :: prescribed(2, size(model%boundaries))
+      type(station_response_type) :: response
       type(motion_type) :: motion
       integer :: b, k
 
@@ -138,17 +139,16 @@ contains
          associate (station => system%stations%item(k))
             call station_kernel_2d(station%law, station%shape, station%gradient, &
                                    system%increment(:, system%cells%node(:, station%cell)), &
-                                   prescribed(:, station%boundary), station%memory, &
-                                   force, tangent, station%traction)
-            force = station%weight*force
-            tangent = station%weight*tangent
+                                   prescribed(:, station%boundary), station%memory, response)
+            station%traction = response%traction
+            response%force = station%weight*response%force
             associate (node => system%cells%node(:, station%cell))
-               system%boundary(:, node) = system%boundary(:, node) + force
+               system%boundary(:, node) = system%boundary(:, node) + response%force
             end associate
             associate (reaction => system%boundary_reaction(:, station%boundary))
-               reaction = reaction - sum(force, dim=2)
+               reaction = reaction - sum(response%force, dim=2)
             end associate
-            call scatter(system, station%cell, reshape(tangent, [64]))
+            call scatter(system, station%cell, station%weight*reshape(response%tangent, [64]))
          end associate
       end do
    end subroutine add_stations
