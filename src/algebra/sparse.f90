@@ -258,7 +258,7 @@ contains
       real(wp), intent(in) :: x(:)
       !> Product, shape (n).
       real(wp), intent(out) :: y(:)
-      integer :: column, k, row, next
+      integer :: column, k, row, next, m
 
       y = 0.0_wp
       do column = 1, pattern%n
@@ -266,12 +266,11 @@ contains
          next = 0
          if (column < pattern%n) next = merge(column + 1, 0, pattern%is_twin(column + 1))
          if (next > 0) then
-            associate (m => pattern%column_start(next) - pattern%column_start(column))
-               do k = pattern%column_start(column) + 1, pattern%column_start(next)
-                  row = pattern%row(k) + 1
-                  y(row) = y(row) + values(k)*x(column) + values(k + m)*x(next)
-               end do
-            end associate
+            m = pattern%column_start(next) - pattern%column_start(column)
+            do k = pattern%column_start(column) + 1, pattern%column_start(next)
+               row = pattern%row(k) + 1
+               y(row) = y(row) + values(k)*x(column) + values(k + m)*x(next)
+            end do
          else
             do k = pattern%column_start(column) + 1, pattern%column_start(column + 1)
                row = pattern%row(k) + 1

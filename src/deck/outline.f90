@@ -2,7 +2,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_deck_outline
    use coulter_base_kinds, only: wp
-   use coulter_base_polygon, only: area_and_centroid
+   use coulter_base_polygon, only: area_and_centroid, turn
    use coulter_base_text, only: to_text
    implicit none(type, external)
    private
@@ -66,29 +66,36 @@ contains
    pure subroutine check_simple(vertices, message)
       real(wp), intent(in) :: vertices(:, :)
       character(len=:), allocatable, intent(out) :: message
-      integer :: i, j, n
-      logical :: is_crossing
+      integer :: i, j
 
       message = ""
-      n = size(vertices, 2)
-      do i = 1, n
-         do j = i + 1, n
-            associate (a => vertices(:, i), b => vertices(:, modulo(i, n) + 1), &
-                       c => vertices(:, j), d => vertices(:, modulo(j, n) + 1))
-               if (j == i + 1) then
-                  is_crossing = turns_back(a, b, d)
-               else if (i == 1 .and. j == n) then
-                  is_crossing = turns_back(c, d, b)
-               else
-                  is_crossing = are_touching(a, b, c, d)
-               end if
-            end associate
-            if (.not. is_crossing) cycle
+      do i = 1, size(vertices, 2)
+         do j = i + 1, size(vertices, 2)
+            if (.not. are_crossing(vertices, i, j)) cycle
             message = "edges "//to_text(i)//" and "//to_text(j)//" cross or touch"
             return
          end do
       end do
    end subroutine check_simple
+
+   !> Do the edges i < j of a polygon have more in common than the corner of neighbours?
+   pure function are_crossing(vertices, i, j) result(answer)
+      real(wp), intent(in) :: vertices(:, :)
+      integer, intent(in) :: i, j
+      logical :: answer
+
+      associate (n => size(vertices, 2), a => vertices(:, i), c => vertices(:, j))
+         associate (b => vertices(:, i + 1), d => vertices(:, modulo(j, n) + 1))
+            if (j == i + 1) then
+               answer = turns_back(a, b, d)
+            else if (i == 1 .and. j == n) then
+               answer = turns_back(c, d, b)
+            else
+               answer = are_touching(a, b, c, d)
+            end if
+         end associate
+      end associate
+   end function are_crossing
 
    !> Do the segments a-b and c-d have a point in common?
    pure function are_touching(a, b, c, d)
@@ -114,10 +121,10 @@ contains
       integer :: side
       real(wp) :: twice_area
 
-      twice_area = (b(1) - a(1))*(c(2) - a(2)) - (b(2) - a(2))*(c(1) - a(1))
+      twice_area = turn(a, b, c)
       side = 0
       if (abs(twice_area) > tolerance*norm2(b - a)*norm2(c - a)) then
-        side = nint(sign(1.0_wp, twice_area))
+         side = nint(sign(1.0_wp, twice_area))
       end if
    end function side_of
 

@@ -89,7 +89,7 @@ contains
    pure subroutine list_lines(interfaces, tiling)
       type(interfaces_type), intent(inout) :: interfaces
       type(tiling_type), intent(in) :: tiling
-      integer :: touching(tiling%n_corners), pair(2, tiling%n_corners), e, k
+      integer :: touching(tiling%n_corners), pair(2, tiling%n_corners), both(2), c, e, k
       logical :: is_branch(tiling%n_corners)
 
       associate (between => pack([(e, e=1, size(interfaces%edge, 2))], interfaces%body(2, :) > 0))
@@ -98,14 +98,13 @@ contains
          touching = 0
          is_branch = .false.
          do e = 1, size(between)
+            both = interfaces%body(:, between(e))
+            both = [minval(both), maxval(both)]
             do k = 1, 2
-               associate (c => interfaces%edge(k, between(e)), &
-                          both => interfaces%body(:, between(e)))
-                  touching(c) = touching(c) + 1
-                  if (touching(c) > 1) is_branch(c) = is_branch(c) &
-                     .or. any(pair(:, c) /= [minval(both), maxval(both)])
-                  pair(:, c) = [minval(both), maxval(both)]
-               end associate
+               c = interfaces%edge(k, between(e))
+               touching(c) = touching(c) + 1
+               if (touching(c) > 1) is_branch(c) = is_branch(c) .or. any(pair(:, c) /= both)
+               pair(:, c) = both
             end do
          end do
       end associate
