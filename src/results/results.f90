@@ -101,6 +101,8 @@ contains
       if (allocated(error)) return
       call self%file%create()
       self%is_made = .true.
+      self%stations = stations_file_type()
+      self%last_step = 0
       call self%file%set_integers("/", "layout_version", [layout_version])
       call put_provenance(self%file, self%provenance)
       call self%file%set_integers("/", "n_points", [scene%n_points])

@@ -71,7 +71,13 @@ contains
       !> Set when nothing can be written.
       type(error_type), allocatable, intent(out) :: error
 
-      allocate (self%has_acted(size(model%boundaries)), source=.false.)
+      ! a log may watch one run after another
+      self%has_acted = spread(.false., 1, size(model%boundaries))
+      self%phase_seconds = 0.0_wp
+      self%n_steps = 0
+      self%n_iterations = 0
+      self%n_retilings = 0
+      self%phase = 0
       self%wall_start = wall_seconds()
       call cpu_time(self%cpu_start)
       call write_scene(self%unit, model, scene)
