@@ -9,6 +9,7 @@ module coulter_deck
    use coulter_base_error, only: error_type, fatal_error
    use coulter_deck_bodies, only: read_bodies
    use coulter_deck_boundaries, only: read_boundaries
+   use coulter_deck_contacts, only: read_contacts
    use coulter_deck_document, only: deck_type, describe_faults, first_group
    use coulter_deck_file, only: read_text
    use coulter_deck_fixities, only: read_fixities
@@ -83,6 +84,7 @@ contains
       call read_control(deck, model%control)
       call read_laws(deck, model%laws)
       call read_bodies(deck, model%control%domains, model%bodies)
+      call read_contacts(deck, model%body_contacts)
       call read_schedule(deck, model%schedule)
       call read_tables(deck, model%tables)
       call read_body_force(deck, model%body_force)

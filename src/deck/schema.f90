@@ -64,8 +64,10 @@ module coulter_deck_schema
       group_rule_type("body", "1 or more", "A solid of one law, to be filled with points."), &
       group_rule_type("stress_profile", "any number", &
                       "Stress of a body before the first step, by elevation."), &
-      group_rule_type("region", "1 or more", "What a body fills: one rectangle or polygon" &
-                      //" each. With cpdi2, bodies that touch are bonded."), &
+      group_rule_type("region", "1 or more", "What a body fills: a rectangle or polygon each." &
+                      //" With cpdi2, bodies that touch without &contact bond."), &
+      group_rule_type("contact", "any number", &
+                      "Two bodies that press and rub where they meet; needs cpdi2."), &
       group_rule_type("fixity", "any number", "Zero displacement at grid nodes."), &
       group_rule_type("boundary", "any number", &
                       "An implicit boundary: a polyline that need not match the grid."), &
@@ -154,6 +156,22 @@ module coulter_deck_schema
       variable_rule_type("region", "polygon", "real", 6, 1000, "length", "(or rectangle)", "", &
          "corners x1, y1, x2, y2, ... of a polygon that does not cross itself, in either " &
          //"orientation")]
+
+   type(variable_rule_type), parameter :: contact_rules(*) = [ &
+      variable_rule_type("contact", "body", "text", 1, 1, "", required, "", &
+         "name of one body, whose force by the other is reported"), &
+      variable_rule_type("contact", "against", "text", 1, 1, "", required, "", &
+         "name of the other body"), &
+      variable_rule_type("contact", "friction", "real", 1, 1, "", "0.0", ">= 0", &
+         "coefficient of Coulomb friction"), &
+      variable_rule_type("contact", "adhesion", "real", 1, 1, "stress", "0.0", ">= 0", &
+         "shear beside friction; in full from a pressure of a third of it on"), &
+      variable_rule_type("contact", "shear_limit", "real", 1, 1, "stress", "(none)", "> 0", &
+         "largest shear, such as a share of the undrained strength"), &
+      variable_rule_type("contact", "rough", "logical", 1, 1, "", ".false.", "", &
+         "do both stick where they press, up to `shear_limit`?"), &
+      variable_rule_type("contact", "band_ratio", "real", 1, 1, "", "0.1", "> 0 <= 1", &
+         "penalty band over the spacing")]
 
    type(variable_rule_type), parameter :: boundary_rules(*) = [ &
       variable_rule_type("fixity", "name", "text", 1, 1, "", required, "", &
@@ -431,8 +449,8 @@ module coulter_deck_schema
 
    !> All variables, group by group in the order of the groups.
    type(variable_rule_type), parameter :: variable_rules(*) = &
-      [scene_rules, law_rules, body_rules, boundary_rules, tool_rules, step_rules, run_rules, &
-       sample_rules]
+      [scene_rules, law_rules, body_rules, contact_rules, boundary_rules, tool_rules, step_rules, &
+       run_rules, sample_rules]
 
 contains
 

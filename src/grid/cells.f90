@@ -20,6 +20,9 @@ module coulter_grid_cells
       integer :: n_with_points = 0
       !> Number of active nodes.
       integer :: n_nodes = 0
+      !> Rows from a displacement field to the next one: the cells of every further field stand as
+      !> many rows above those of the one before as if the grid went on there; 0 for a single field.
+      integer :: rows_per_field = 0
       !> Grid index of every active cell, shape (2, >= n_cells).
       integer, allocatable :: cell_index(:, :)
       !> Nodes of every active cell, counter-clockwise, shape (4, n_cells).
@@ -36,6 +39,7 @@ module coulter_grid_cells
       procedure :: number_at
       procedure :: append_cell
       procedure :: local_position
+      procedure :: place_in_grid
    end type cells_type
 
    !> Cells around the material that the window covers, for boundaries that act beside it.
@@ -131,7 +135,8 @@ contains
       integer :: p, i, j, lower(2), upper(2)
 
       lower = max(minval(index, dim=2) - window_margin, 1)
-      upper = min(maxval(index, dim=2) + window_margin, grid%n_cells)
+      upper = maxval(index, dim=2) + window_margin
+      if (cells%rows_per_field == 0) upper = min(upper, grid%n_cells)
       allocate (cells%cell_at(lower(1):upper(1), lower(2):upper(2)), source=0)
       do p = 1, size(index, 2)
          cells%cell_at(index(1, p), index(2, p)) = 1
@@ -251,6 +256,17 @@ contains
          end do
       end do
    end subroutine number_nodes
+
+   !> Grid index, in the grid itself, of a cell or node of any displacement field.
+   pure function place_in_grid(self, index) result(place)
+      class(cells_type), intent(in) :: self
+      !> Its index.
+      integer, intent(in) :: index(2)
+      integer :: place(2)
+
+      place = index
+      if (self%rows_per_field > 0) place(2) = modulo(index(2) - 1, self%rows_per_field) + 1
+   end function place_in_grid
 
    !> Position in a cell over its edge lengths: 0 to 1 inside, shape (2).
    pure function local_position(self, grid, cell, position) result(local)

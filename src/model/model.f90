@@ -4,6 +4,7 @@ module coulter_model
    use coulter_base_kinds, only: wp
    use coulter_base_table, only: table_type
    use coulter_boundary, only: boundary_type
+   use coulter_boundary_body_contact, only: body_contact_type
    use coulter_boundary_edge_load, only: edge_load_type
    use coulter_boundary_motion, only: motion_type
    use coulter_grid, only: grid_type
@@ -59,6 +60,8 @@ module coulter_model
       type(fixity_type), allocatable :: fixities(:)
       !> Implicit boundaries.
       type(boundary_type), allocatable :: boundaries(:)
+      !> Contacts between bodies that are not bonded.
+      type(body_contact_type), allocatable :: body_contacts(:)
       !> Loads on the edges of tiled bodies.
       type(edge_load_type), allocatable :: edge_loads(:)
       !> Tables that schedule loads.

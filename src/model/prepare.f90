@@ -11,6 +11,7 @@ module coulter_model_prepare
    use coulter_model_initial_stress, only: initial_stress
    use coulter_model_phases, only: activate
    use coulter_model_scene_check, only: check_edge_loads, check_scene
+   use coulter_model_separation, only: find_softer_sides, separate_bodies
    use coulter_points_seeding, only: seed_points, seed_tiles
    use coulter_points_tile_groups, only: group_tiles
    use coulter_points_tiling, only: remember_pulls
@@ -37,9 +38,11 @@ contains
       known_faults = faults%n_faults
       call allocate_missing(model)
       call check_scene(model, faults)
+      call separate_bodies(model, faults)
       if (faults%n_faults > known_faults) return
       call activate(model, 1)
       call seed_model(model)
+      call find_softer_sides(model)
       call check_initial_stress(model, faults)
       if (model%points%n_points == 0) call faults%add("region", 0, "", "no region holds material")
       if (allocated(model%tiling)) then
@@ -55,6 +58,7 @@ contains
 
       if (.not. allocated(model%fixities)) allocate (model%fixities(0))
       if (.not. allocated(model%boundaries)) allocate (model%boundaries(0))
+      if (.not. allocated(model%body_contacts)) allocate (model%body_contacts(0))
       if (.not. allocated(model%edge_loads)) allocate (model%edge_loads(0))
       if (.not. allocated(model%tables)) allocate (model%tables(0))
    end subroutine allocate_missing

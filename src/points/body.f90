@@ -26,6 +26,9 @@ module coulter_points_body
       character(len=:), allocatable :: name
       !> Number of its law in the model.
       integer :: law = 0
+      !> Number of the displacement field that carries it: bodies of one field are bonded where they
+      !> touch, those of several press and rub (`coulter_boundary_body_contact`).
+      integer :: field = 1
       !> Mass per unit volume of the undeformed body, >= 0.
       real(wp) :: density = 0.0_wp
       !> Points per cell in each direction.

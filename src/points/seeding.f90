@@ -68,7 +68,7 @@ contains
       end do
       call make_points(points, tiles, n_state)
       ! corners that differ are farther apart
-      call new_tiling(tiling, vertices, 0.5_wp*tolerance)
+      call new_tiling(tiling, vertices, 0.5_wp*tolerance, bodies(owner)%field)
    end subroutine seed_tiles
 
    !> Cut all regions of all bodies into sub-cells.

@@ -33,6 +33,8 @@ module coulter_points_tiling
       !> Patch of every tile, whose tiles share their volume change, or 0 for none, shape
       !> (n_points); unallocated where none does.
       integer, allocatable :: patch(:)
+      !> Displacement field of every tile, shape (n_points); unallocated where there is only one.
+      integer, allocatable :: field(:)
       !> Scaled Jacobians of the corners of every undeformed tile, shape (4, n_points).
       real(wp), allocatable :: first_jacobian(:, :)
       !> Aspect of every undeformed tile, shape (n_points).
@@ -50,7 +52,7 @@ module coulter_points_tiling
 contains
 
    !> Join polygons at their common corners.
-   pure subroutine new_tiling(tiling, vertices, tolerance)
+   pure subroutine new_tiling(tiling, vertices, tolerance, field)
       !> Tiling to make.
       type(tiling_type), intent(out) :: tiling
       !> Corners of every polygon on its own, counter-clockwise, length units, shape
@@ -58,10 +60,16 @@ contains
       real(wp), intent(in) :: vertices(:, :, :)
       !> Corners nearer than this are one.
       real(wp), intent(in) :: tolerance
+      !> Displacement field of every polygon, if there are several: those of different fields share
+      !> no corners, shape (n_points).
+      integer, intent(in), optional :: field(:)
       integer :: p
 
       allocate (tiling%corner(4, size(vertices, 3)), tiling%hourglass(4, size(vertices, 3)))
       allocate (tiling%first_jacobian(4, size(vertices, 3)), tiling%first_aspect(size(vertices, 3)))
+      if (present(field)) then
+         if (any(field > 1)) tiling%field = field
+      end if
       call merge_corners(tiling, reshape(vertices, [2, 4*size(vertices, 3)]), tolerance)
       call find_outer_edges(tiling)
       do p = 1, size(vertices, 3)
@@ -247,13 +255,40 @@ contains
       real(wp), intent(in) :: tolerance
       integer :: number(size(vertex, 2)), i
 
-      call weld(vertex, tolerance, number, tiling%n_corners)
+      if (allocated(tiling%field)) then
+         call weld_fields(vertex, tolerance, tiling%field, number, tiling%n_corners)
+      else
+         call weld(vertex, tolerance, number, tiling%n_corners)
+      end if
       allocate (tiling%position(2, tiling%n_corners))
       do i = size(number), 1, -1
          tiling%position(:, number(i)) = vertex(:, i)
       end do
       tiling%corner = reshape(number, shape(tiling%corner))
    end subroutine merge_corners
+
+   !> Number the distinct corners of every displacement field, field by field.
+   pure subroutine weld_fields(vertex, tolerance, field, number, n)
+      real(wp), intent(in) :: vertex(:, :)
+      real(wp), intent(in) :: tolerance
+      !> Field of every tile, shape (n_tiles).
+      integer, intent(in) :: field(:)
+      integer, intent(out) :: number(:), n
+      integer, allocatable :: own(:)
+      integer :: f, i, n_own
+
+      n = 0
+      do f = 1, maxval(field)
+         own = pack([(i, i=1, size(number))], [(field((i + 3)/4) == f, i=1, size(number))])
+         block
+            integer :: of_own(size(own))
+
+            call weld(vertex(:, own), tolerance, of_own, n_own)
+            number(own) = n + of_own
+         end block
+         n = n + n_own
+      end do
+   end subroutine weld_fields
 
    !> List the edges that no other tile runs along in the opposite sense.
    pure subroutine find_outer_edges(tiling)

@@ -69,6 +69,7 @@ contains
       system%is_set_up = .false.
       system%last_stations = system%stations
       system%last_contacts = system%contacts
+      if (allocated(system%surfaces)) system%surfaces%last = system%surfaces%pairs
       if (allocated(system%bonds)) call remember_bonds(system%contacts, system%bonds)
    end subroutine accept_step
 

@@ -27,7 +27,7 @@ module coulter_step_contact_forces
    use coulter_step_tip_forces, only: add_tip, turn_slope
    implicit none(type, external)
    private
-   public :: add_contacts, penalties
+   public :: add_contacts, band_penalties, nominal_traction, penalties
 
 contains
 
@@ -316,16 +316,37 @@ contains
       type(contact_type), intent(in) :: contact
       type(point_response_type), intent(in) :: response
       real(wp), intent(out) :: material(2), by_vertices(:, :, :)
-      real(wp) :: pulled(2), slope(2, 2)
-      integer :: i, k, l
 
       if (model%boundaries(contact%boundary)%formulation /= formulation_nitsche) then
          material = contact%memory(1)*contact%face%normal + contact%memory(2)*contact%face%tangent
          by_vertices = 0.0_wp
          return
       end if
-      pulled = model%points%reference_volume(contact%tile)/system%map%area(contact%tile) &
-         *matmul(contact%inward, response%inverse)
+      call nominal_traction(system, model, contact%tile, contact%inward, response, material, &
+                            by_vertices)
+   end subroutine find_material_traction
+
+   !> Nominal traction of a tile on a surface, P times a unit vector with P = tau dF^-T V0/A, and its
+   !> derivative by the vertices of the tile, and by mean volume change and pressure of its patch
+   !> where volume changes are shared.
+   pure subroutine nominal_traction(system, model, tile, inward, response, material, by_vertices)
+      !> System at the present unknowns.
+      type(system_type), intent(in) :: system
+      !> Scene at the start of the step.
+      type(model_type), intent(in) :: model
+      !> Number of the tile.
+      integer, intent(in) :: tile
+      !> The unit vector, against the outward normal at the start of the step.
+      real(wp), intent(in) :: inward(2)
+      !> What the tile answers.
+      type(point_response_type), intent(in) :: response
+      !> Traction, stress units, and its derivative, shape (2, 2, 4 or 5).
+      real(wp), intent(out) :: material(2), by_vertices(:, :, :)
+      real(wp) :: pulled(2), slope(2, 2)
+      integer :: i, k, l
+
+      pulled = model%points%reference_volume(tile)/system%map%area(tile) &
+         *matmul(inward, response%inverse)
       material = matmul(reshape(response%stress([1, 4, 4, 2]), [2, 2]), pulled)
       do i = 1, 2
          do l = 1, 2
@@ -336,8 +357,8 @@ contains
          by_vertices(i, :, :4) = matmul(slope, response%gradient)
       end do
       if (size(by_vertices, 3) == 4) return
-      by_vertices(:, :, 5) = stress_by_mean(system%tile_patches, contact%tile, pulled)
-   end subroutine find_material_traction
+      by_vertices(:, :, 5) = stress_by_mean(system%tile_patches, tile, pulled)
+   end subroutine nominal_traction
 
    !> Penalty stiffness along normal and tangent, stress per length: that of the paper's band.
    pure function penalties(model, contact) result(penalty)
@@ -346,11 +367,26 @@ contains
       !> The station.
       type(contact_type), intent(in) :: contact
       real(wp) :: penalty(2)
+
+      penalty = band_penalties(model, contact%tile, &
+                               model%boundaries(contact%boundary)%band_ratio)
+   end function penalties
+
+   !> Penalty stiffness along normal and tangent of a band along the edge of a tile, stress per
+   !> length.
+   pure function band_penalties(model, tile, band_ratio) result(penalty)
+      !> Scene.
+      type(model_type), intent(in) :: model
+      !> Number of the tile.
+      integer, intent(in) :: tile
+      !> Width of the band over the grid spacing.
+      real(wp), intent(in) :: band_ratio
+      real(wp) :: penalty(2)
       real(wp) :: lame_lambda, shear_modulus
 
-      call point_moduli(model, contact%tile, lame_lambda, shear_modulus)
+      call point_moduli(model, tile, lame_lambda, shear_modulus)
       penalty = band_stiffness_factor*[lame_lambda + 2.0_wp*shear_modulus, shear_modulus] &
-         /(model%boundaries(contact%boundary)%band_ratio*model%grid%smallest_spacing())
-   end function penalties
+         /(band_ratio*model%grid%smallest_spacing())
+   end function band_penalties
 
 end module coulter_step_contact_forces

@@ -11,7 +11,7 @@ module coulter_step_contact_state
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
-   public :: motion_of, whole_motion, locate, decide, augment_contacts
+   public :: motion_of, whole_motion, locate, decide, augment_contacts, touching
 
    !> Gaps below this share of the spacing count as closed: round-off of a body that starts on a
    !> wall.

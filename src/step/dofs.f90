@@ -200,7 +200,7 @@ contains
       do f = 1, size(fixities)
          if (.not. fixities(f)%is_active) cycle
          do node = 1, cells%n_nodes
-            position = grid%node_position(cells%node_index(:, node))
+            position = grid%node_position(cells%place_in_grid(cells%node_index(:, node)))
             if (any(position < fixities(f)%lower - slack)) cycle
             if (any(position > fixities(f)%upper + slack)) cycle
             where (fixities(f)%is_held)

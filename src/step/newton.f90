@@ -106,6 +106,8 @@ contains
 
       if (system%has_friction .or. system%has_tension) newton%has_predicted = &
          any(system%contacts%item(:system%contacts%n)%was_acting)
+      if (system%has_friction .and. allocated(system%surfaces)) newton%has_predicted = &
+         newton%has_predicted .or. any(system%surfaces%pairs%was_acting)
       system%is_smooth = system%has_friction .and. .not. newton%has_predicted
       newton%may_begin_again = system%has_friction
       newton%has_begun_predicted = newton%has_predicted

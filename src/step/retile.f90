@@ -225,7 +225,8 @@ contains
          all_vertices = reshape([all_vertices, vertices], [2, 4, size(owner) + size(vertices, 3)])
          owner = [owner, spread(b, 1, size(vertices, 3))]
       end do
-      call new_tiling(tiling, all_vertices, corner_tolerance*model%grid%smallest_spacing())
+      call new_tiling(tiling, all_vertices, corner_tolerance*model%grid%smallest_spacing(), &
+                      model%bodies(owner)%field)
       has_failed = size(owner) == 0 &
          .or. is_torn(interfaces, tiling, bonded*model%grid%smallest_spacing())
       do p = 1, size(owner)

@@ -16,6 +16,7 @@ module coulter_step
    use coulter_step_point_setup, only: find_participants, number_system
    use coulter_step_settle, only: is_settling
    use coulter_step_sites, only: place_sites
+   use coulter_step_surface_forces, only: check_sliding
    use coulter_step_system, only: system_type
    use coulter_step_tile_setup, only: find_contacts, find_tile_participants, number_tile_system, &
       set_border
@@ -62,6 +63,7 @@ contains
       call system%watch%start(phase_accept)
       if (allocated(model%tiling)) call check_passage(model, system, failure)
       if (allocated(model%tiling)) call find_meetings(system, model, failure)
+      if (allocated(system%surfaces)) call check_sliding(system, model, failure)
       if (.not. allocated(failure)) call accept_step(model, system, failure)
       if (.not. allocated(failure)) then
          if (allocated(model%tiling) .and. .not. is_settling(system)) then

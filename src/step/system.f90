@@ -20,6 +20,7 @@ module coulter_step_system
    use coulter_step_ghost, only: ghost_type
    use coulter_step_patches, only: patches_memory, patches_type
    use coulter_step_star_groups, only: groups_memory, star_groups_type
+   use coulter_step_surfaces, only: surfaces_type
    use coulter_step_tile_map, only: tile_map_type
    use coulter_step_tile_patches, only: tile_patches_memory, tile_patches_type
    use coulter_step_tile_stars, only: stars_memory, tile_stars_type
@@ -82,6 +83,8 @@ module coulter_step_system
       !> Largest openings of edges against boundaries that hold tension, length units, see
       !> `coulter_step_bonds`; unallocated where none does.
       real(wp), allocatable :: bonds(:, :, :)
+      !> Surfaces of bodies with displacement fields of their own; unallocated where all share one.
+      type(surfaces_type), allocatable :: surfaces
       !> Does any boundary rub, does any hold tension? Then a step begins with a prediction: what
       !> acted acts on, what stuck sticks, what slipped slips on, what had not opened does not,
       !> whatever the tractions; or, when nothing that rubs acted yet, with smooth contacts (theory,

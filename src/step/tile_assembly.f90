@@ -9,6 +9,8 @@ module coulter_step_tile_assembly
    use coulter_step_loose_parts, only: add_drag
    use coulter_step_point_kernel, only: add_force, point_response_type
    use coulter_step_star_groups, only: scatter_stars
+   use coulter_step_surface_forces, only: add_surfaces
+   use coulter_step_surfaces, only: scatter_surfaces
    use coulter_step_system, only: system_type
    use coulter_step_tile_map, only: interpolate, spread_to_nodes
    use coulter_step_tile_patches, only: scatter_tile_patches
@@ -49,6 +51,7 @@ contains
       at_corners = 0.0_wp
       system%loaded_length = 0.0_wp
       call add_contacts(system, model, at_corners)
+      if (allocated(system%surfaces)) call add_surfaces(system, model, at_corners)
       call spread_to_nodes(system%map, at_corners, system%boundary)
    end subroutine add_tiles
 
@@ -59,6 +62,11 @@ contains
 
       system%values = system%ghost_values
       call scatter_stars(system%groups, system%stars, system%pattern, system%values)
+      if (allocated(system%surfaces)) then
+         call scatter_surfaces(system%surfaces, system%pattern, &
+                               system%groups%elements%n_elements + system%ghost%n_faces, &
+                               system%values)
+      end if
       if (.not. allocated(system%tile_patches)) return
       call scatter_tile_patches(system%tile_patches, system%pattern, system%elements%n_elements, &
                                 system%values)

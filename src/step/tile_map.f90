@@ -37,6 +37,9 @@ module coulter_step_tile_map
    real(wp), parameter :: smallest_shape = 1.0e-13_wp
    !> Samples per direction and tile for the share of cells that is filled.
    integer, parameter :: n_samples = 3
+   !> Empty rows between the cells of two displacement fields: no cell must look like a neighbour of
+   !> one in another field.
+   integer, parameter :: rows_between = 12
 
 contains
 
@@ -70,14 +73,39 @@ contains
       index(:, :n) = of_corners
       call find_cells(grid, samples, index(:, n + 1:), first_outside)
       if (first_outside > 0) return
+      if (allocated(tiling%field)) then
+         cells%rows_per_field = grid%n_cells(2) + rows_between
+         call shift_rows(index, tiling, is_straddling, cells%rows_per_field)
+      end if
       call number_cells(cells, grid, index)
       call bridge_corners(cells)
       call number_nodes(cells)
       call measure_tiles(map, tiling)
       call measure_fill(map, cells, grid, tiling, is_straddling, index)
-      call map_corners(map, cells, tiling, grid, of_corners)
+      call map_corners(map, cells, tiling, grid, index)
       call measure_nodes(map, cells, tiling, grid)
    end subroutine map_tiles
+
+   !> Give every displacement field rows of cells of its own.
+   pure subroutine shift_rows(index, tiling, is_straddling, rows_per_field)
+      !> Grid index of the cells of all corners, then of all samples.
+      integer, intent(inout) :: index(:, :)
+      type(tiling_type), intent(in) :: tiling
+      logical, intent(in) :: is_straddling(:)
+      integer, intent(in) :: rows_per_field
+      integer :: row(tiling%n_corners), n, p
+
+      n = tiling%n_corners
+      do p = 1, size(tiling%field)
+         associate (first_row => (tiling%field(p) - 1)*rows_per_field)
+            row(tiling%corner(:, p)) = first_row
+            if (.not. is_straddling(p)) cycle
+            index(2, n + 1:n + n_samples**2) = index(2, n + 1:n + n_samples**2) + first_row
+            n = n + n_samples**2
+         end associate
+      end do
+      index(2, :size(row)) = index(2, :size(row)) + row
+   end subroutine shift_rows
 
    !> Displacement increments of the corners from those of the nodes.
    pure subroutine interpolate(map, nodal)
@@ -281,7 +309,7 @@ contains
       do k = 1, tiling%n_corners
          map%node(:, k) = cells%node(:, cells%cell_at(index(1, k), index(2, k)))
          map%shape(:, k) = shape_values_2d((tiling%position(:, k) - origin)/spacing &
-                                           - real(index(:, k) - 1, wp))
+                                           - real(cells%place_in_grid(index(:, k)) - 1, wp))
          where (abs(map%shape(:, k)) < smallest_shape) map%shape(:, k) = 0.0_wp
       end do
    end subroutine map_corners

@@ -1,7 +1,7 @@
 !> Setting up the system of a step for bodies whose domains tile them.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_tile_setup
-   use coulter_algebra_sparse, only: joined
+   use coulter_algebra_sparse, only: element_dofs_type, joined
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: formulation_augmented
    use coulter_boundary_contact, only: recall_contacts
@@ -19,6 +19,7 @@ module coulter_step_tile_setup
    use coulter_step_hourglass, only: hourglass_stiffness
    use coulter_step_loose_parts, only: find_loose_parts
    use coulter_step_star_groups, only: couple_stars
+   use coulter_step_surface_forces, only: meet_surfaces
    use coulter_step_system, only: make_room, renew_pattern, system_type
    use coulter_step_tile_map, only: map_tiles, spread_to_nodes
    use coulter_step_tile_patches, only: build_tile_patches, couple_tile_patches
@@ -72,6 +73,8 @@ contains
       call build_contacts(system%contacts, model%boundaries, motion, model%tiling, &
                           system%held_edges, model%grid%smallest_spacing())
       system%has_friction = any(model%boundaries%has_friction())
+      if (allocated(system%surfaces)) system%has_friction = system%has_friction &
+         .or. any(model%body_contacts%rubs())
       system%has_tension = any(model%boundaries%tension_limit > 0.0_wp)
       if (system%has_friction .or. system%has_tension &
           .or. any(model%boundaries%formulation == formulation_augmented)) then
@@ -94,6 +97,7 @@ contains
       logical, intent(out) :: has_failed
       logical :: is_core(system%cells%n_nodes), may_lead(system%cells%n_cells)
       type(coupling_type) :: faces
+      type(element_dofs_type) :: elements
 
       is_core = system%map%node_area >= model%control%fill_tolerance &
          .or. model%control%small_cells /= small_cells_aggregate
@@ -108,13 +112,16 @@ contains
       call find_loose_parts(system, model)
       call gather_mass(system, model)
       call make_room(system, size(model%boundaries))
+      elements = joined(system%groups%elements, faces%elements)
+      if (allocated(model%tiling%field)) then
+         call meet_surfaces(system, model)
+         elements = joined(elements, system%surfaces%coupling%elements)
+      end if
       if (allocated(system%tile_patches)) then
          call couple_tile_patches(system%tile_patches, system%map, system%dofs)
-         call renew_pattern(system, joined(joined(system%groups%elements, faces%elements), &
-                                           system%tile_patches%coupling%elements), has_failed)
-      else
-         call renew_pattern(system, joined(system%groups%elements, faces%elements), has_failed)
+         elements = joined(elements, system%tile_patches%coupling%elements)
       end if
+      call renew_pattern(system, elements, has_failed)
       if (.not. has_failed) call set_ghost_values(system, faces)
    end subroutine number_tile_system
 
