@@ -4,7 +4,7 @@ module coulter_model_contact_report
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: contact_report_type, station_report_type
+   public :: contact_report_type, station_report_type, surface_report_type
 
    !> A boundary in an accepted step, beside its force and penetration.
    type :: contact_report_type
@@ -35,5 +35,18 @@ module coulter_model_contact_report
       !> Normal traction, tension positive, and shear along the face, stress units.
       real(wp) :: traction(2) = 0.0_wp
    end type station_report_type
+
+   !> A contact between two bodies.
+   type :: surface_report_type
+      !> Force of the second body on the first one, force per thickness.
+      real(wp) :: force(2) = 0.0_wp
+      !> Sums of the pressing parts of all stations and of their shear, whatever its direction, force
+      !> units.
+      real(wp) :: pressing = 0.0_wp, rubbing = 0.0_wp
+      !> Length along which they press, and how deep they overlap at most, length units.
+      real(wp) :: length = 0.0_wp, penetration = 0.0_wp
+      !> Share of that length along which they slip.
+      real(wp) :: slipping = 0.0_wp
+   end type surface_report_type
 
 end module coulter_model_contact_report

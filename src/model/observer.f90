@@ -4,7 +4,8 @@ module coulter_model_observer
    use coulter_base_error, only: error_type
    use coulter_base_kinds, only: long, wp
    use coulter_model, only: model_type
-   use coulter_model_contact_report, only: contact_report_type, station_report_type
+   use coulter_model_contact_report, only: contact_report_type, station_report_type, &
+      surface_report_type
    implicit none(type, external)
    private
    public :: observer_type, observer_item_type, step_report_type, scene_report_type
@@ -66,6 +67,8 @@ module coulter_model_observer
       !> What every boundary feels beside that, shape (n_boundaries), and all stations in contact.
       type(contact_report_type), allocatable :: contacts(:)
       type(station_report_type), allocatable :: stations(:)
+      !> Contacts between bodies, shape (n_body_contacts); unallocated if there are none.
+      type(surface_report_type), allocatable :: surfaces(:)
       !> Sum of all forces on the bodies: what equilibrium lacks, force per thickness.
       real(wp) :: imbalance(2) = 0.0_wp
       !> Force of every fixity on the body, force per thickness, shape (2, n_fixities).

@@ -8,6 +8,7 @@ module coulter_results_history
    use coulter_model_observer, only: n_phases, phase_names, step_report_type
    use coulter_results_hdf5_io, only: hdf5_file_type
    use coulter_results_hdf5_types, only: kind_integer, kind_real, kind_text
+   use coulter_results_surface_history, only: add_surface_columns, put_surface_columns
    implicit none(type, external)
    private
    public :: history_type, add_history, put_history
@@ -44,6 +45,7 @@ contains
       call add_step_columns(file)
       call add_size_columns(file)
       call add_boundary_columns(file, model)
+      call add_surface_columns(file, model, chunk)
       call add_warnings(file)
       call add_real(file, "residuals", [history%n_residuals], &
                     "relative residual before every iteration and at the end, then NaN", "1")
@@ -68,6 +70,7 @@ contains
       call put_step_columns(file, row, report)
       call put_size_columns(file, row, report)
       call put_boundary_columns(file, row, model, report)
+      if (allocated(report%surfaces)) call put_surface_columns(file, row, report%surfaces)
       call padded_residuals(report, residuals)
       call file%put_reals("history/residuals", row, size(residuals), residuals)
       call file%put_reals("history/phase_seconds", row, n_phases, report%phase_seconds)

@@ -11,6 +11,7 @@ module coulter_results_run_log
    use coulter_results_log_scene, only: name_width, write_scene
    use coulter_results_log_text, only: left, line_width, plural, progress_bar, right, &
       scaled_real, write_paragraph
+   use coulter_results_surface_history, only: surface_name
    implicit none(type, external)
    private
    public :: run_log_type, new_run_log
@@ -126,6 +127,7 @@ contains
       end if
       write (self%unit, "(a)") step_line(report)
       call write_reactions(self%unit, model, report)
+      call write_surfaces(self%unit, model, report)
       if (report%condition > 0.0_wp) then
          write (self%unit, "(8x, a)") "condition "//to_text(report%condition, 2)
       end if
@@ -219,6 +221,25 @@ contains
          end if
       end do
    end subroutine write_reactions
+
+   !> Write the forces between bodies that have contacts, one on every line.
+   subroutine write_surfaces(unit, model, report)
+      integer, intent(in) :: unit
+      type(model_type), intent(in) :: model
+      type(step_report_type), intent(in) :: report
+      real(wp) :: scale
+      integer :: i
+
+      if (.not. allocated(report%surfaces)) return
+      scale = maxval([(abs(report%surfaces(i)%force), i=1, size(report%surfaces))])
+      do i = 1, size(report%surfaces)
+         associate (force => report%surfaces(i)%force)
+            write (unit, "(8x, 3a)") surface_name(model, i), &
+               right(scaled_real(force(1), scale), force_width), &
+               right(scaled_real(force(2), scale), force_width)
+         end associate
+      end do
+   end subroutine write_surfaces
 
    !> Write the warnings of a step, each on a line of its own.
    subroutine write_warnings(unit, warnings)

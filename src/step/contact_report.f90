@@ -12,7 +12,7 @@ module coulter_step_contact_report
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
-   public :: report_contacts
+   public :: report_contacts, report_surfaces
 
 contains
 
@@ -44,6 +44,38 @@ contains
       end do
       call sum_work(report, system)
    end subroutine report_contacts
+
+   !> What bodies feel of each other.
+   pure subroutine report_surfaces(report, model, system)
+      !> Report; gets `surfaces`.
+      type(step_report_type), intent(inout) :: report
+      !> Scene.
+      type(model_type), intent(in) :: model
+      !> System in equilibrium, with surfaces.
+      type(system_type), intent(in) :: system
+      integer :: k
+
+      allocate (report%surfaces(size(model%body_contacts)))
+      do k = 1, size(system%surfaces%pairs)
+         associate (pair => system%surfaces%pairs(k), &
+                    sum => report%surfaces(system%surfaces%pairs(k)%contact))
+            if (.not. pair%is_acting) cycle
+            if (model%body_contacts(pair%contact)%softer == 1) then
+               sum%force = sum%force + pair%force
+            else
+               sum%force = sum%force - pair%force
+            end if
+            sum%pressing = sum%pressing - pair%weight*pair%traction(1)
+            sum%rubbing = sum%rubbing + pair%weight*abs(pair%traction(2))
+            sum%length = sum%length + pair%weight
+            sum%penetration = max(sum%penetration, -pair%gap)
+            if (pair%slip /= 0) sum%slipping = sum%slipping + pair%weight
+         end associate
+      end do
+      where (report%surfaces%length > 0.0_wp)
+         report%surfaces%slipping = report%surfaces%slipping/report%surfaces%length
+      end where
+   end subroutine report_surfaces
 
    !> One station in contact.
    pure subroutine add_station(report, station, system, contact)

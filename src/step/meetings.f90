@@ -52,6 +52,7 @@ contains
                folds(k)%body = [minval(body), maxval(body)]
             end associate
          end do
+         if (allocated(model%tiling%field)) call drop_contacts(folds, model, deepest*h)
          k = minloc(folds%gap, dim=1)
          call move_alloc(folds, system%folds)
          if (k == 0) return
@@ -60,6 +61,18 @@ contains
             //to_text(system%folds(k)%place)//"), by "//to_text(-system%folds(k)%gap, 2)
       end associate
    end subroutine find_meetings
+
+   !> Leave out surfaces of bodies that press against each other, unless they overlap too far.
+   pure subroutine drop_contacts(folds, model, depth)
+      type(fold_type), allocatable, intent(inout) :: folds(:)
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: depth
+      integer :: k
+
+      folds = pack(folds, [(model%bodies(folds(k)%body(1))%field &
+                            == model%bodies(folds(k)%body(2))%field &
+                            .or. folds(k)%gap <= -depth, k=1, size(folds))])
+   end subroutine drop_contacts
 
    !> Leave out surfaces with a face of a tool between them.
    pure subroutine drop_separated(folds, boundary, motion)

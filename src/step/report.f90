@@ -8,7 +8,7 @@ module coulter_step_report
    use coulter_model_observer, only: add_warning, scene_report_type, step_report_type
    use coulter_points, only: points_memory
    use coulter_points_tiling, only: measure_quality
-   use coulter_step_contact_report, only: report_contacts
+   use coulter_step_contact_report, only: report_contacts, report_surfaces
    use coulter_step_dofs, only: reduce
    use coulter_step_loose_parts, only: name_loose_parts, name_toppling
    use coulter_step_meetings, only: report_meetings
@@ -76,6 +76,7 @@ contains
          + sum(report%fixity_reactions, dim=2)
       call measure_penetrations(report, model, system%contacts)
       call report_contacts(report, model, system)
+      if (allocated(system%surfaces)) call report_surfaces(report, model, system)
       if (allocated(model%tiling)) then
          call measure_quality(model%tiling, report%worst_corner, report%worst_aspect)
       end if

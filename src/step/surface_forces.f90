@@ -126,6 +126,8 @@ contains
       end associate
       pair%traction = carried%value
       pair%weight = place%width*pair%length
+      pair%gap = place%gap
+      pair%force = -pair%weight*(carried(1)%value*place%normal + carried(2)%value*place%tangent)
       call share_out(pair, place, carried, turn, force, stiffness)
    end subroutine add_pair
 
