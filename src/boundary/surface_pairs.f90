@@ -30,8 +30,9 @@ module coulter_boundary_surface_pairs
       !> length units.
       real(wp) :: lag = 0.0_wp, new_lag = 0.0_wp, way = 0.0_wp
       !> Traction (normal, along the edge), stress units; length that it acts on, and distance of
-      !> both, negative where they overlap, length units; force on the own body.
-      real(wp) :: traction(2) = 0.0_wp, weight = 0.0_wp, gap = 0.0_wp, force(2) = 0.0_wp
+      !> both, negative where they overlap, length units; force on the own body; place.
+      real(wp) :: traction(2) = 0.0_wp, weight = 0.0_wp, gap = 0.0_wp, force(2) = 0.0_wp, &
+         place(2) = 0.0_wp
    end type surface_pair_type
 
    !> Outer edges of a body.

@@ -26,7 +26,7 @@ module coulter_model_contact_report
 
    !> A station in contact.
    type :: station_report_type
-      !> Number of its boundary.
+      !> Number of its boundary, or that of the contact between two bodies, negative.
       integer :: boundary = 0
       !> Sign of its shear while it slips, 0 while it sticks or is smooth.
       integer :: slip = 0

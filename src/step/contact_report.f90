@@ -47,7 +47,7 @@ contains
 
    !> What bodies feel of each other.
    pure subroutine report_surfaces(report, model, system)
-      !> Report; gets `surfaces`.
+      !> Report; gets `surfaces` and more `stations`.
       type(step_report_type), intent(inout) :: report
       !> Scene.
       type(model_type), intent(in) :: model
@@ -60,6 +60,9 @@ contains
          associate (pair => system%surfaces%pairs(k), &
                     sum => report%surfaces(system%surfaces%pairs(k)%contact))
             if (.not. pair%is_acting) cycle
+            report%stations = [report%stations, station_report_type( &
+                               boundary=-pair%contact, slip=pair%slip, position=pair%place, &
+                               weight=pair%weight, traction=pair%traction)]
             if (model%body_contacts(pair%contact)%softer == 1) then
                sum%force = sum%force + pair%force
             else

@@ -62,7 +62,7 @@ contains
       real(wp), intent(inout) :: at_corners(:, :)
       type(point_response_type) :: response
       type(edge_pair_type) :: place
-      real(wp) :: force(2, 6)
+      real(wp) :: force(2, 6), ends(2, 4)
       integer :: k, tile, v
       logical :: has_failed
 
@@ -71,10 +71,11 @@ contains
          associate (pair => system%surfaces%pairs(k))
             call forget(pair)
             associate (corner => pair%corner([pair%vertex, 5, 6]))
-               call compare_edges(place, model%tiling%position(:, corner) &
-                                  + system%map%increment(:, corner), pair%half)
+               ends = model%tiling%position(:, corner) + system%map%increment(:, corner)
             end associate
+            call compare_edges(place, ends, pair%half)
             if (.not. place%width > 0.0_wp) cycle
+            pair%place = ends(:, 1) + place%own*(ends(:, 2) - ends(:, 1))
             if (pair%tile /= tile) call respond_tile(system, model, pair%tile, response, has_failed)
             tile = pair%tile
             call add_pair(system, model, pair, place, response, force, &
