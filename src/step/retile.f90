@@ -29,6 +29,7 @@ module coulter_step_retile
    use coulter_step_hourglass, only: limit_pulls
    use coulter_step_meetings, only: do_overlap, join_surfaces, report_joints
    use coulter_step_parting, only: report_parting
+   use coulter_step_surface_transfer, only: carry_surfaces, is_on_other_field
    use coulter_step_system, only: system_type
    implicit none(type, external)
    private
@@ -155,6 +156,7 @@ contains
       ! what else hangs on flow begins anew: sand that drops its contacts finds no balance otherwise
       if (allocated(model%points%has_flowed)) model%points%has_flowed = .false.
       call carry_contacts(system, model, old_tiling)
+      if (allocated(system%surfaces)) call carry_surfaces(system, model)
       system%way_since_tiling = 0.0_wp
    end subroutine retile_model
 
@@ -262,6 +264,8 @@ contains
       do c = 1, tiling%n_corners
          if (is_free(c)) is_free(c) = .not. is_on_interface(interfaces, tiling%position(:, c), &
                                                             bonded*h)
+         if (.not. (is_free(c) .and. allocated(model%tiling%field))) cycle
+         is_free(c) = .not. is_on_other_field(model, body, tiling%position(:, c), bonded*h)
       end do
       call restore_area(tiling, is_free, total, farthest_shift*h)
       do p = 1, size(vertices, 3)
