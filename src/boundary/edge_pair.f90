@@ -1,9 +1,9 @@
 !> Two straight edges that face each other: how much of one the other covers, and how far it is.
 !>
 !> The half of an edge that stands for one of its ends is seen along the normal of the edge. On what
-!> another edge covers of it, both are linear, so that the middle speaks for all of it: forces there,
-!> shared by the ends of both edges, are in balance, moments included, and uniform tractions are those
-!> of either side. Theory, section 8.
+!> another edge covers of it, both are linear, so that the middle speaks for all of it: forces
+!> there, shared by the ends of both edges, are in balance, and uniform tractions are those of
+!> either side. Theory, section 8.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_boundary_edge_pair
    use coulter_base_kinds, only: wp
@@ -39,8 +39,8 @@ contains
       real(wp), intent(in) :: ends(2, 4)
       !> 1 for the half beside the first end, 2 for that beside the last one.
       integer, intent(in) :: half
-      real(wp) :: length, along(2), away(2), along_slope(most_slopes, 2), &
-         away_slope(most_slopes, 2), stretch(most_slopes), way(2), limit(2), limit_slope(most_slopes, 2)
+      real(wp) :: length, along(2), away(2), way(2), limit(2), stretch(most_slopes)
+      real(wp), dimension(most_slopes, 2) :: along_slope, away_slope, limit_slope
       integer :: i, low, high
 
       length = norm2(ends(:, 2) - ends(:, 1))

@@ -44,7 +44,8 @@ module coulter_boundary_surface_pairs
 
    !> Edges face each other if the product of their outward normals is below this.
    real(wp), parameter :: opposed = -0.25_wp
-   !> How far edges may be apart and overlap, and how far they may slide in a step, over the spacing.
+   !> How far edges may be apart and overlap, and how far they may slide in a step, over the
+   !> spacing.
    real(wp), parameter :: farthest = 1.5_wp, deepest = 0.5_wp, reach_along = 1.0_wp
 
 contains

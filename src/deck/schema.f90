@@ -65,7 +65,7 @@ module coulter_deck_schema
       group_rule_type("stress_profile", "any number", &
                       "Stress of a body before the first step, by elevation."), &
       group_rule_type("region", "1 or more", "What a body fills: a rectangle or polygon each." &
-                      //" With cpdi2, bodies that touch without &contact bond."), &
+                      //" With cpdi2, what touches without &contact bonds."), &
       group_rule_type("contact", "any number", &
                       "Two bodies that press and rub where they meet; needs cpdi2."), &
       group_rule_type("fixity", "any number", "Zero displacement at grid nodes."), &

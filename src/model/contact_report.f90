@@ -40,8 +40,8 @@ module coulter_model_contact_report
    type :: surface_report_type
       !> Force of the second body on the first one, force per thickness.
       real(wp) :: force(2) = 0.0_wp
-      !> Sums of the pressing parts of all stations and of their shear, whatever its direction, force
-      !> units.
+      !> Sums of the pressing parts of all stations and of their shear, whatever its direction,
+      !> force units.
       real(wp) :: pressing = 0.0_wp, rubbing = 0.0_wp
       !> Length along which they press, and how deep they overlap at most, length units.
       real(wp) :: length = 0.0_wp, penetration = 0.0_wp

@@ -11,8 +11,8 @@ module coulter_model_separation
 
 contains
 
-   !> Give bodies that have a contact displacement fields of their own. Those without must share one,
-   !> so that of two bodies with a contact every other one needs a contact with at least one.
+   !> Give bodies that have a contact displacement fields of their own. Those without must share
+   !> one, so that every other body needs a contact with at least one of two that have one.
    pure subroutine separate_bodies(model, faults)
       !> Scene; its bodies get `field`.
       type(model_type), intent(inout) :: model
@@ -32,6 +32,7 @@ contains
          associate (pair => model%body_contacts(k)%body)
             if (pair(1) == pair(2)) then
                call faults%add("contact", k, "against", "is the body itself")
+               cycle
             else if (are_apart(pair(1), pair(2))) then
                call faults%add("contact", k, "against", "has a contact with this body already")
             end if
@@ -42,9 +43,10 @@ contains
       do k = 1, size(model%body_contacts)
          associate (pair => model%body_contacts(k)%body)
             do c = 1, size(model%bodies)
-               if (any(pair == c) .or. any(are_apart(c, pair))) cycle
-               call faults%add("contact", k, "", "body "//model%bodies(c)%name//" cannot be bonded" &
-                               //" to both bodies of it: give that a contact with one of them")
+               if (any(pair == c) .or. any(are_apart(c, pair)) .or. pair(1) == pair(2)) cycle
+               call faults%add("contact", k, "", "body "//model%bodies(c)%name//" cannot be" &
+                               //" bonded to both bodies of it: give that a contact with one" &
+                               //" of them")
             end do
          end associate
       end do

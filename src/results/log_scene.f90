@@ -11,6 +11,7 @@ module coulter_results_log_scene
    use coulter_model_observer, only: scene_report_type
    use coulter_results_log_text, only: bytes_text, grouped, left, plural, right, &
       write_paragraph
+   use coulter_results_surface_history, only: surface_name
    implicit none(type, external)
    private
    public :: write_scene, name_width
@@ -43,6 +44,7 @@ contains
                        //bytes_text(scene%memory))
       call write_count("steps", int(size(model%schedule%end_time), long), phases_text(model))
       call write_boundaries(unit, model)
+      call write_contacts(unit, model)
       call write_paragraph(unit, "  "//left("not needed", label_width), not_needed(model))
 
    contains
@@ -103,6 +105,26 @@ contains
          end associate
       end do
    end subroutine write_boundaries
+
+   !> Write a line for every contact between bodies.
+   subroutine write_contacts(unit, model)
+      integer, intent(in) :: unit
+      type(model_type), intent(in) :: model
+      character(len=:), allocatable :: text
+      integer :: k
+
+      if (.not. allocated(model%body_contacts)) return
+      do k = 1, size(model%body_contacts)
+         text = left(trim(merge("contacts", "        ", k == 1)), label_width) &
+            //surface_name(model, k)//"   smooth"
+         associate (friction => model%body_contacts(k)%friction)
+            if (model%body_contacts(k)%rubs()) text = text(:len(text) - 6)//"friction " &
+               //to_text(friction%coefficient)//", adhesion "//to_text(friction%adhesion)
+            if (friction%is_rough) text = text//", rough"
+         end associate
+         write (unit, "(2x, a)") text
+      end do
+   end subroutine write_contacts
 
    !> How a boundary acts: "roller, pushes only, moves by (-36, 0)".
    pure function formulation(boundary) result(text)

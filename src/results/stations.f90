@@ -35,7 +35,8 @@ contains
       call file%add_rows("stations/n_rows", kind_integer, [integer ::], chunk)
       call file%describe("stations/n_rows", "stations in contact in every frame")
       call file%add_rows("stations/boundary", kind_integer, [integer ::], chunk)
-      call file%describe("stations/boundary", "number of the boundary, from 1, or minus that of the contact between two bodies")
+      call file%describe("stations/boundary", "number of the boundary, from 1, or minus that of" &
+                         //" the contact between two bodies")
       call file%add_rows("stations/slip", kind_integer, [integer ::], chunk)
       call file%describe("stations/slip", "sign of the shear while it slips, else 0")
       call file%add_rows("stations/position", kind_real, [2], chunk)

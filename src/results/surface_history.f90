@@ -1,4 +1,4 @@
-!> What bodies feel of each other in every step: columns of the history, only where they have contacts.
+!> What bodies in contact feel of each other: columns of the history, only where there are contacts.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_results_surface_history
    use coulter_base_kinds, only: long, wp
@@ -23,7 +23,8 @@ contains
       character(len=256), allocatable :: names(:)
       integer :: k, n
 
-      n = size(model%body_contacts)
+      n = 0
+      if (allocated(model%body_contacts)) n = size(model%body_contacts)
       if (n == 0) return
       allocate (names(n))
       do k = 1, n

@@ -326,9 +326,9 @@ contains
                             by_vertices)
    end subroutine find_material_traction
 
-   !> Nominal traction of a tile on a surface, P times a unit vector with P = tau dF^-T V0/A, and its
-   !> derivative by the vertices of the tile, and by mean volume change and pressure of its patch
-   !> where volume changes are shared.
+   !> Nominal traction of a tile on a surface, P times a unit vector with P = tau dF^-T V0/A, and
+   !> its derivative by the vertices of the tile, and by mean volume change and pressure of its
+   !> patch where volume changes are shared.
    pure subroutine nominal_traction(system, model, tile, inward, response, material, by_vertices)
       !> System at the present unknowns.
       type(system_type), intent(in) :: system

@@ -1,8 +1,8 @@
 !> Forces and tangent of bodies that press and rub against each other.
 !>
 !> A station carries t = s + k g over what one edge covers of half an edge of the softer body: the
-!> nominal traction s of that body's tile, and the penalty k on the gap g at the end of the step. Both
-!> bodies feel it where they are, so that forces and moments are in balance. Theory, section 8.
+!> nominal traction s of that body's tile, and the penalty k on the gap g at the end of the step.
+!> Both bodies feel it at the same place, so that forces are in balance. Theory, section 8.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_surface_forces
    use coulter_base_kinds, only: wp
@@ -242,7 +242,8 @@ contains
       by_corners = pair%weight*by_corners + pair%length*spread(traction, 2, n_slopes) &
          *spread(at_corners_of(pair, place%width_slope), 1, 2)
       share = 0.0_wp
-      share([pair%vertex, 5, 6]) = [1.0_wp - place%own, place%own, place%other - 1.0_wp, -place%other]
+      share(pair%vertex) = [1.0_wp - place%own, place%own]
+      share(5:6) = [place%other - 1.0_wp, -place%other]
       share_slope = 0.0_wp
       share_slope(:, pair%vertex(2)) = at_corners_of(pair, place%own_slope)
       share_slope(:, pair%vertex(1)) = -share_slope(:, pair%vertex(2))
