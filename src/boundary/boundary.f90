@@ -76,6 +76,8 @@ module coulter_boundary
       !> Is it a rigid tool, whose sharp corners press on edges of bodies as well, and is that a
       !> solid: a closed chain with the material outside?
       logical :: is_tool = .false., is_solid = .false.
+      !> Do the bodies leave out its place at the start?
+      logical :: is_embedded = .false.
       !> Components of its displacement that are free, and does it turn freely about its centre? A
       !> load decides: at a table value of 1, force units per thickness, and a moment beside it,
       !> counter-clockwise. The force acts at a place on the tool, from the centre, length units.

@@ -259,6 +259,8 @@ module coulter_deck_schema
          "polygon, rectangle, wedge, fluke: radius of convex corners"), &
       variable_rule_type("tool", "inside", "logical", 1, 1, "", ".false.", "", &
          "closed shapes: is the material inside?"), &
+      variable_rule_type("tool", "embedded", "logical", 1, 1, "", ".false.", "", &
+         "closed shapes: are regions cut out where it stands at the start?"), &
       variable_rule_type("tool", "material_side", "choice", 1, 1, "", "'left'", "left right", &
          "polyline: side of the material for one who walks along it"), &
       variable_rule_type("tool", "displacement", "real", 2, 2, "length", "0.0, 0.0", "", &

@@ -62,6 +62,12 @@ contains
       call read_motion(deck, group, 0, schedule, tool)
       call read_rotation(deck, group, tool)
       call read_freedom(deck, group, tool)
+      call get_value(deck, group, "embedded", tool%is_embedded)
+      if (tool%is_embedded .and. .not. tool%is_solid) then
+         call blame(deck, group, "embedded", "needs a closed shape with the material outside")
+      else if (tool%is_embedded .and. tool%first_phase > 1) then
+         call blame(deck, group, "embedded", "needs a tool that acts from the first phase on")
+      end if
    end subroutine read_tool
 
    !> Components that a load decides; the pivot is known.

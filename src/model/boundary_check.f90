@@ -107,7 +107,7 @@ contains
       integer :: r, s
 
       associate (tool => model%boundaries(b))
-         if (.not. tool%is_solid .or. tool%first_phase > 1) return
+         if (.not. tool%is_solid .or. tool%is_embedded .or. tool%first_phase > 1) return
          call flatten(tool%vertices, [(tool%bulge(s), s=1, size(tool%vertices, 2) - 1)], &
                       flatness*model%grid%smallest_spacing(), outline)
       end associate
@@ -118,8 +118,8 @@ contains
       end do
       if (shared <= accepted_cover*model%grid%cell_volume()) return
       call blame(model, b, faults, "", "starts in the material, of which it covers an area of " &
-                 //to_text(shared, 4)//": let it start outside, or leave its place out of the" &
-                 //" regions (two that meet beside it make a hole)")
+                 //to_text(shared, 4)//": let it start outside, or say embedded = .true., which cuts" &
+                 //" out the regions there")
    end subroutine check_place
 
    !> Note a fault of a boundary, a wall or a tool; tools follow the walls.

@@ -8,6 +8,7 @@ module coulter_model_prepare
    use coulter_law, only: law_response_type, law_visit_type
    use coulter_model, only: model_type, point_moduli
    use coulter_model_control, only: domains_tiles
+   use coulter_model_embedding, only: embed_tools
    use coulter_model_initial_stress, only: initial_stress
    use coulter_model_phases, only: activate
    use coulter_model_scene_check, only: check_edge_loads, check_scene
@@ -39,6 +40,8 @@ contains
       call allocate_missing(model)
       call check_scene(model, faults)
       call separate_bodies(model, faults)
+      if (faults%n_faults > known_faults) return
+      call embed_tools(model, faults)
       if (faults%n_faults > known_faults) return
       call activate(model, 1)
       call seed_model(model)
