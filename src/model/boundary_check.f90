@@ -118,8 +118,8 @@ contains
       end do
       if (shared <= accepted_cover*model%grid%cell_volume()) return
       call blame(model, b, faults, "", "starts in the material, of which it covers an area of " &
-                 //to_text(shared, 4)//": let it start outside, or say embedded = .true., which cuts" &
-                 //" out the regions there")
+                 //to_text(shared, 4)//": let it start outside, or say embedded = .true., which" &
+                 //" cuts regions out there")
    end subroutine check_place
 
    !> Note a fault of a boundary, a wall or a tool; tools follow the walls.

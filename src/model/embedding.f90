@@ -11,8 +11,8 @@ module coulter_model_embedding
    private
    public :: embed_tools
 
-   !> Arcs are taken as chords that pass this near, over the spacing: corners of bodies on chords are
-   !> so deep in the tool.
+   !> Arcs are taken as chords that pass this near, over the spacing: corners of bodies on chords
+   !> are so deep in the tool.
    real(wp), parameter :: flatness = 0.02_wp
 
 contains

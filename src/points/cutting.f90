@@ -52,7 +52,7 @@ contains
          call subtract(parts, has_hole, regions(k)%vertices, tool, grid%smallest_spacing())
          if (has_hole) then
             call split(parts, regions(k)%vertices, tool, grid)
-            call cut_out(parts, tool, grid)
+            if (size(parts) > 1) call cut_out(parts, tool, grid)
          end if
          call append(all_of_them, parts)
       end do

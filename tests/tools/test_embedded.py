@@ -53,8 +53,8 @@ def test_pipe_is_a_hole_in_the_ground(tmp_path):
     assert np.pi * (0.5 - 0.02 * 0.125) ** 2 < hole < np.pi * 0.25
     history = results.history
     force = history["boundary_reactions"][:, 3]
-    # less than a block between vertical planes, more than four fifths of it
+    # less than a block between vertical planes, more than three quarters of it
     assert (force[2:, 1] < 25.0).all()
-    assert (force[2:, 1] > 20.0).all()
+    assert (force[2:, 1] > 0.75 * 25.0).all()
     assert np.abs(force[:, 0]).max() < 0.01 * force[:, 1].max()
     assert history["penetrations"].max() < 0.02 * 0.125
