@@ -137,7 +137,8 @@ contains
          end do
          if (norm2(force) <= worst) cycle
          worst = norm2(force)
-         place = model%grid%node_position(system%cells%node_index(:, node))
+         place = model%grid%node_position( &
+                 system%cells%place_in_grid(system%cells%node_index(:, node)))
       end do
       point = minloc(norm2(model%points%position - spread(place, 2, model%points%n_points), &
                            dim=1), dim=1)

@@ -97,6 +97,7 @@ contains
       end associate
       call add_fixities(hold, system, model, mine)
       call add_stations(hold, system, mine)
+      if (allocated(system%surfaces)) call add_surfaces(hold, system, model, is_in)
    end function hold_of
 
    !> What fixities hold.
@@ -119,7 +120,8 @@ contains
          if (.not. carries(node)) cycle
          do i = 1, 2
             if (system%dofs%fixity(i, node) == 0) cycle
-            call add_hold(hold, model%grid%node_position(system%cells%node_index(:, node)), &
+            call add_hold(hold, model%grid%node_position( &
+                          system%cells%place_in_grid(system%cells%node_index(:, node))), &
                           real([2 - i, i - 1], wp))
          end do
       end do
@@ -146,6 +148,26 @@ contains
          end associate
       end do
    end subroutine add_stations
+
+   !> What other bodies hold, as if they stood fast.
+   pure subroutine add_surfaces(hold, system, model, is_in)
+      type(hold_type), intent(inout) :: hold
+      type(system_type), intent(in) :: system
+      type(model_type), intent(in) :: model
+      logical, intent(in) :: is_in(:)
+      integer :: k
+
+      do k = 1, size(system%surfaces%pairs)
+         associate (pair => system%surfaces%pairs(k))
+            associate (contact => model%body_contacts(pair%contact))
+               if (.not. pair%is_acting .or. count(is_in(contact%body)) /= 1) cycle
+               call add_hold(hold, pair%place, pair%inward)
+               if (.not. contact%rubs() .or. pair%slip /= 0) cycle
+               call add_hold(hold, pair%place, [-pair%inward(2), pair%inward(1)])
+            end associate
+         end associate
+      end do
+   end subroutine add_surfaces
 
    !> A place is held in one direction.
    pure subroutine add_hold(hold, position, direction)

@@ -19,6 +19,11 @@ SCENE = """&scene title = "block" /
 """
 FLOOR = "&boundary name = 'floor', kind = 'roller', vertices = -1.0, 0.0, 3.0, 0.0 /\n"
 PIN = "&fixity name = 'pin', lower = -0.1, -0.1, upper = 0.1, 0.1, held = 'xy' /\n"
+BED = """&body name = "bed", law = "elastic", density = 1.0 /
+&region body = "bed", rectangle = -1.0, -1.0, 2.0, 0.0 /
+&boundary name = "base", kind = "fixed", vertices = -2.0, -1.0, 3.0, -1.0 /
+&contact body = "bed", against = "block" /
+"""
 BANK = """&scene title = "a bank that is too high" /
 &grid origin = -2.0, -2.0, spacing = 0.5, cells = 20, 16 /
 &law name = "clay", model = "tresca"
@@ -51,10 +56,18 @@ def failure(deck: str, folder: Path) -> str:
         ("", "is free to move: nothing holds it;"),
         (FLOOR, "is free to move along (1, 0);"),
         (PIN, "is free to turn about (0, 0);"),
+        (BED, "is free to move along (1, 0);"),
+        (BED.replace("0.0 /", "-0.5 /"), "is free to move: nothing holds it;"),
     ],
 )
 def test_free_bodies_are_named(addition, way, tmp_path):
     assert f"the tangent is singular: body block {way}" in failure(SCENE + addition, tmp_path)
+
+
+def test_bodies_that_stick_to_others_are_held(tmp_path):
+    path = tmp_path / "scene.nml"
+    path.write_text(SCENE + BED.replace('"block" /', '"block", friction = 0.3 /'))
+    subprocess.run([PROGRAM, "--quiet", path], check=True, cwd=tmp_path)
 
 
 def test_limit_loads_are_placed(tmp_path):
