@@ -109,7 +109,7 @@ contains
       call put_deck(self%file, self%deck_path, self%deck_text)
       call put_scene(self%file, model)
       call add_history(self%history, self%file, model)
-      call add_stations(self%file, model)
+      if (allocated(model%tiling)) call add_stations(self%file, model)
       call add_frames(self%frames, self%file, model, self%output)
       call keep_frame(self, model, 0.0_wp, no_stations)
       call self%file%close(error)
@@ -163,7 +163,9 @@ contains
       type(station_report_type), intent(in) :: stations(:)
 
       call put_shapes(self%file, model%boundaries, self%frames%n_frames)
-      call put_stations(self%stations, self%file, self%frames%n_frames, stations)
+      if (allocated(model%tiling)) then
+         call put_stations(self%stations, self%file, self%frames%n_frames, stations)
+      end if
       call put_frame(self%frames, self%file, model, self%last_step, load_factor)
    end subroutine keep_frame
 

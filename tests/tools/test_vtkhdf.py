@@ -249,6 +249,12 @@ def test_stations_carry_the_forces(tmp_path):
     assert np.all(slip != 0)
 
 
+def test_points_have_no_stations(tmp_path):
+    """Only corners of tiles do: without them the group is not there at all."""
+    with h5py.File(results_of(make_deck(tmp_path, 2))) as file:
+        assert "stations" not in file
+
+
 def test_last_step_is_kept_with_its_stations(tmp_path):
     text = TILED.replace("-0.1, 1.0 /", "-0.1, -0.2 /") + "&output every = 9 /\n"
     with h5py.File(results_of(make_tiled_deck(tmp_path, text))) as file:
