@@ -68,22 +68,20 @@ contains
       response%force = 0.0_wp
       response%tangent = 0.0_wp
       response%traction = 0.0_wp
-      associate (force => response%force, tangent => response%tangent)
-         do i = 1, law%n_held
-            moved = spread(direction(:, i), 2, 4)*spread(shape, 1, 2)
-            half = half_traction(law, gradient, direction, i)
-            stiffness = band_stiffness(law, i)
-            gap = sum(moved*increment) - dot_product(direction(:, i), prescribed)
-            response%traction(i) = stiffness*gap + sum(half*increment) + memory(i)
-            force = force + moved*response%traction(i) + half*gap
-            do b = 1, 4
-               do k = 1, 2
-                  tangent(:, :, k, b) = tangent(:, :, k, b) + half*moved(k, b) &
-                     + moved*(stiffness*moved(k, b) + half(k, b))
-               end do
+      do i = 1, law%n_held
+         moved = spread(direction(:, i), 2, 4)*spread(shape, 1, 2)
+         half = half_traction(law, gradient, direction, i)
+         stiffness = band_stiffness(law, i)
+         gap = sum(moved*increment) - dot_product(direction(:, i), prescribed)
+         response%traction(i) = stiffness*gap + sum(half*increment) + memory(i)
+         response%force = response%force + moved*response%traction(i) + half*gap
+         do b = 1, 4
+            do k = 1, 2
+               response%tangent(:, :, k, b) = response%tangent(:, :, k, b) + half*moved(k, b) &
+                  + moved*(stiffness*moved(k, b) + half(k, b))
             end do
          end do
-      end associate
+      end do
    end subroutine station_kernel_2d
 
    !> Stiffness of K3 in one direction, stress per length.
