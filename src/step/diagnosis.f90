@@ -103,18 +103,20 @@ contains
       if (free /= "") then
          text = text//free//"; give it a fixity or a boundary that holds it"
       else
-         text = text//"all bodies are held, but material is unstable, or at its limit load" &
-            //settling_advice(model)
+         text = text//"all bodies are held, but material is unstable, or at its limit load:" &
+            //settling_advice(system, model)
       end if
    end function explain_singular
 
    !> How to get past a limit load.
-   pure function settling_advice(model) result(text)
+   pure function settling_advice(system, model) result(text)
+      type(system_type), intent(in) :: system
       type(model_type), intent(in) :: model
       character(len=:), allocatable :: text
 
-      text = ": load it less"
-      if (allocated(model%tiling) .and. .not. model%control%may_settle) then
+      text = " load it less"
+      if (allocated(model%tiling) .and. .not. model%control%may_settle &
+          .and. system%n_settling == 0) then
          text = text//", or let it slide to where it rests (`settle = .true.`)"
       end if
    end function settling_advice
@@ -195,7 +197,8 @@ contains
       stretch = least_stretch(model%points%converged%deformation_gradient(:, point))
       associate (law => model%laws(model%bodies(model%points%body(point))%law)%law)
          if (.not. law%is_elastic) then
-            text = ", where material may have reached its limit load"//settling_advice(model)
+            text = ", where material may have reached its limit load: try more" &
+               //" `max_iterations`; else"//settling_advice(system, model)
          else if (stretch < wrinkling_stretch) then
             text = ", where it is squeezed to "//to_text(stretch, 2)//" of its size: free" &
                //" surfaces of elastic bodies wrinkle at 0.54 (Biot), however small the step"

@@ -73,4 +73,4 @@ def test_bodies_that_stick_to_others_are_held(tmp_path):
 def test_limit_loads_are_placed(tmp_path):
     message = failure(BANK, tmp_path)
     assert "forces are least in balance in body bank near (" in message
-    assert "limit load: load it less, or let it slide to where it rests" in message
+    assert "limit load: try more `max_iterations`; else load it less, or let it slide to where it rests" in message
