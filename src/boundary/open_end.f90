@@ -13,13 +13,13 @@ module coulter_boundary_open_end
    !> edges are a cell long.
    real(wp), parameter :: end_reach = 0.4_wp
    !> Faces shorter than this, over the spacing, are too short to be told from their ends.
-   real(wp), parameter :: shortest = 4.0_wp
+   real(wp), parameter :: shortest = 1.0_wp
    !> Soil goes round corners between faces whose normals have a larger product, without parting.
    real(wp), parameter :: bluntest = 0.7_wp
    !> The tool advances against the face by more than this share of its way, against the next one by
    !> less than the second share of that, and what is ahead comes along neither face towards the
    !> corner by more than the third share of the way.
-   real(wp), parameter :: least_advance = 0.1_wp, most_shared = 0.5_wp, most_along = 0.1_wp
+   real(wp), parameter :: least_advance = 0.1_wp, most_shared = 0.45_wp, most_along = 0.1_wp
    !> A body rests on a face if corners are this near to it, over the spacing, at this distance from
    !> the end, over the spacing, or, under short faces, this share of their length.
    real(wp), parameter :: near = 0.1_wp, covered = 2.0_wp, covered_share = 0.45_wp

@@ -28,6 +28,8 @@ module coulter_boundary_overlap
 
    !> Largest `hold`, at the distance from the end from which on bodies are held.
    real(wp), parameter :: most_held = 0.35_wp
+   !> Tips count as not more slender than this sine.
+   real(wp), parameter :: slenderest = 0.2_wp
    !> Distances from the end below this, over the spacing, count as this.
    real(wp), parameter :: nearest = 1.0e-2_wp
 
@@ -46,7 +48,7 @@ contains
       integer, intent(in) :: segment
       !> Ends of the edge, and spacing of the grid, length units.
       real(wp), intent(in) :: ends(2, 2), spacing
-      real(wp) :: from, to, place(2, 2), distance(2), reach
+      real(wp) :: from, to, place(2, 2), distance(2), nearer(2), reach
       integer :: i, k
 
       from = 0.0_wp
@@ -59,13 +61,30 @@ contains
          if (.not. tips(i)%is_open(k)) cycle
          place = ends - spread(tool%vertices(:, tips(i)%vertex), 2, 2)
          distance = matmul(tips(i)%inward(:, k), place)
-         call ease(overlap, distance/reach, reach)
+         ! where two corners of a cell are held, so are its nodes, and with them the next corner
+         associate (cell => spacing/sine_of(tips(i)))
+            reach = (1.0_wp + end_reach)*cell - min(cell, norm2(ends(:, 2) - ends(:, 1)))
+         end associate
+         ! what the tip has left behind on the next face is not held, wherever its foot is
+         nearer = matmul(tips(i)%normal(:, k) - tips(i)%normal(:, 3 - k), place)
+         call ease(overlap, merge(distance/reach, 0.0_wp, nearer >= 0.0_wp), reach)
          call clip(from, to, distance)
-         call clip(from, to, matmul(tips(i)%normal(:, k) - tips(i)%normal(:, 3 - k), place))
+         call clip(from, to, nearer)
       end do
       overlap%is_partial = any(overlap%give > 0.0_wp) .or. from > 0.0_wp .or. to < 1.0_wp
       overlap%share = max(0.0_wp, to - from)*[1.0_wp - 0.5_wp*(from + to), 0.5_wp*(from + to)]
    end subroutine find_overlap
+
+   !> Sine of the angle between the faces of a tip, 1 if it is not acute. Behind a slender one, up to
+   !> the spacing over it along a face, cells hold both sides of the gap that the tool fills.
+   pure function sine_of(tip) result(sine)
+      type(tip_type), intent(in) :: tip
+      real(wp) :: sine
+      real(wp) :: cosine
+
+      cosine = min(1.0_wp, max(0.0_wp, dot_product(tip%inward(:, 1), tip%inward(:, 2))))
+      sine = max(slenderest, sqrt(1.0_wp - cosine**2))
+   end function sine_of
 
    !> Let corners give near an open end: little at the distance from which on they are held, and as
    !> far as they go at the end itself.

@@ -36,8 +36,9 @@ module coulter_boundary_tip
 
    !> Sine of the angle between two faces from which on a convex corner is sharp.
    real(wp), parameter :: sharp = 0.1_wp
-   !> Edges whose outward normal has this or a smaller component along the corner's may meet it.
-   real(wp), parameter :: facing = -0.3_wp
+   !> Edges whose outward normal has this or a smaller component along the corner's may meet it; at
+   !> a slender one, those that have this share of the component of its own faces.
+   real(wp), parameter :: facing = -0.3_wp, slender = 0.9_wp
    !> A corner this little behind an edge is on it, over the spacing.
    real(wp), parameter :: touching = 1.0e-3_wp
    !> Edges farther away than this, over the spacing and beyond the way of the tool, do not meet it
@@ -180,12 +181,13 @@ contains
    !> in front of: it is below a lip of a body where it is behind one, and not in it.
    pure function may_meet(tiling, corner, normal, slack) result(answer)
       type(tiling_type), intent(in) :: tiling
+      !> The corner, the sum of the normals of its faces, and how far behind an edge it may be.
       real(wp), intent(in) :: corner(2), normal(2), slack
       logical :: answer(size(tiling%outer_edge, 2))
       real(wp) :: along(2), least, depth
       integer :: e
 
-      least = facing*norm2(normal)
+      least = max(facing, -0.5_wp*slender*norm2(normal))*norm2(normal)
       associate (first => tiling%position(:, tiling%outer_edge(1, :)), &
                  last => tiling%position(:, tiling%outer_edge(2, :)))
          depth = slack

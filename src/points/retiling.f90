@@ -22,6 +22,8 @@ module coulter_points_retiling
       !> Where the edge from every node to the next one in x and in y crosses the outline, shape
       !> (2, 2, nx, ny): component, direction of the edge, node.
       real(wp), allocatable :: crossing(:, :, :, :)
+      !> Does it, shape (2, nx, ny)?
+      logical, allocatable :: is_crossed(:, :, :)
    end type lattice_type
 
    !> Nodes this near move to the outline, over the spacing: less leaves slivers.
@@ -32,6 +34,9 @@ module coulter_points_retiling
    real(wp), parameter :: chord = 0.25_wp
    !> Corners of tiles nearer than this are one, over the spacing.
    real(wp), parameter :: corner_tolerance = 1.0e-7_wp
+   !> Gaps behind corners of tools stay open where they are wider than this, and up to this far from
+   !> there, over the spacing.
+   real(wp), parameter :: least_gap = 0.05_wp, longest_gap = 3.0_wp
    !> Tiles smaller than this share of a cell are left out.
    real(wp), parameter :: smallest_share = 2.0e-3_wp
    !> Places beside the middle one of three corners, as shares in all of them.
@@ -65,7 +70,7 @@ contains
       call mark_inside(lattice, outline)
       call move_to_corners(lattice, outline, h)
       call move_to_outline(lattice, outline, h)
-      call find_crossings(lattice, outline)
+      call find_crossings(lattice, outline, h)
       do j = 1, size(lattice%state, 2) - 1
          do i = 1, size(lattice%state, 1) - 1
             call add_cell(lattice, outline, [i, j], product(spacing), domains)
@@ -87,6 +92,7 @@ contains
       last = ceiling((maxval(outline%corner, dim=2) - origin)/spacing) + 1
       associate (n => last - first + 1)
          allocate (lattice%position(2, n(1), n(2)), lattice%crossing(2, 2, n(1), n(2)))
+         allocate (lattice%is_crossed(2, n(1), n(2)), source=.false.)
          allocate (lattice%state(n(1), n(2)), source=-1)
          do j = 1, n(2)
             do i = 1, n(1)
@@ -207,30 +213,53 @@ contains
                                     /max(dot_product(along, along), tiny(1.0_wp)), 0.0_wp), 1.0_wp)
    end function foot_on_edge
 
-   !> For every lattice edge from an inside to an outside node, the crossing nearest to the inside.
-   pure subroutine find_crossings(lattice, outline)
+   !> For every lattice edge that leaves the body from an inside node, the crossing nearest to that.
+   pure subroutine find_crossings(lattice, outline, h)
       type(lattice_type), intent(inout) :: lattice
       type(outline_type), intent(in) :: outline
-      integer :: i, j, k, other(2)
+      real(wp), intent(in) :: h
+      integer :: i, j, k, other(2), states(2)
+      real(wp) :: ends(2, 2), place(2)
 
       do j = 1, size(lattice%state, 2)
          do i = 1, size(lattice%state, 1)
             do k = 1, 2
                other = [i, j] + cell_node(:, merge(2, 4, k == 1))
                if (any(other > shape(lattice%state))) cycle
-               if (lattice%state(i, j)*lattice%state(other(1), other(2)) >= 0) cycle
-               associate (here => lattice%position(:, i, j), &
-                          there => lattice%position(:, other(1), other(2)))
-                  if (lattice%state(i, j) > 0) then
-                     lattice%crossing(:, k, i, j) = first_crossing(outline, here, there)
-                  else
-                     lattice%crossing(:, k, i, j) = first_crossing(outline, there, here)
-                  end if
-               end associate
+               states = [lattice%state(i, j), lattice%state(other(1), other(2))]
+               if (maxval(states) < 1 .or. minval(states) > 0) cycle
+               ends(:, 1) = lattice%position(:, i, j)
+               ends(:, 2) = lattice%position(:, other(1), other(2))
+               if (states(1) < 1) ends = ends(:, [2, 1])
+               place = first_crossing(outline, ends(:, 1), ends(:, 2))
+               lattice%is_crossed(k, i, j) = minval(states) < 0
+               if (minval(states) == 0) lattice%is_crossed(k, i, j) = &
+                  is_across(outline, place, ends(:, 2), h)
+               lattice%crossing(:, k, i, j) = place
             end do
          end do
       end do
    end subroutine find_crossings
+
+   !> Is a node on the outline beyond the gap behind a corner of a tool for one inside, whose way to
+   !> it crosses the outline somewhere? Where the outline is rugged it may cross it, too, but runs on
+   !> to the node.
+   pure function is_across(outline, place, node, h) result(answer)
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: place(2), node(2), h
+      logical :: answer
+      integer :: c
+
+      answer = .false.
+      if (norm2(node - place) <= least_gap*h) return
+      do c = 1, outline%n
+         if (outline%is_feature(c)) answer = answer &
+            .or. norm2(outline%corner(:, c) - node) < longest_gap*h
+      end do
+      if (answer) answer = .not. encloses(outline, 0.5_wp*(place + node))
+      if (answer) answer = .not. (runs_along(outline, place, node) &
+                                  .or. runs_along(outline, node, place))
+   end function is_across
 
    !> First place where the way from one node to another meets the outline; half the way if
    !> round-off hides it.
@@ -284,7 +313,7 @@ contains
       integer, intent(in) :: cell(2)
       type(polygon_type), intent(out) :: polygon
       logical, intent(out) :: is_on_outline(8)
-      integer :: k, here(2), next(2), low(2), state, next_state
+      integer :: k, along, here(2), next(2), low(2), state
 
       allocate (polygon%corner(2, 8))
       is_on_outline = .false.
@@ -292,14 +321,14 @@ contains
          here = cell + cell_node(:, k)
          next = cell + cell_node(:, modulo(k, 4) + 1)
          state = lattice%state(here(1), here(2))
-         next_state = lattice%state(next(1), next(2))
          if (state >= 0) then
             call append(polygon, lattice%position(:, here(1), here(2)))
             is_on_outline(polygon%n) = state == 0
          end if
-         if (state*next_state >= 0) cycle
          low = min(here, next)
-         call append(polygon, lattice%crossing(:, merge(1, 2, here(2) == next(2)), low(1), low(2)))
+         along = merge(1, 2, here(2) == next(2))
+         if (.not. lattice%is_crossed(along, low(1), low(2))) cycle
+         call append(polygon, lattice%crossing(:, along, low(1), low(2)))
       end do
    end subroutine walk_cell
 

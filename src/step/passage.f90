@@ -45,6 +45,7 @@ contains
                                     model%tiling%position(:, corner), &
                                     system%map%increment(:, corner), &
                                     model%grid%smallest_spacing())) cycle
+               if (gives_way(system, corner, b)) cycle
                failure = "a corner of a body near ("//to_text(model%tiling%position(:, corner)) &
                   //") would pass through tool "//model%boundaries(b)%name
                return
@@ -52,6 +53,18 @@ contains
          end do
       end do
    end subroutine check_passage
+
+   !> May a corner get behind faces of a boundary, near an open end of one?
+   pure function gives_way(system, corner, boundary) result(answer)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: corner, boundary
+      logical :: answer
+
+      associate (contact => system%contacts%item(:system%contacts%n))
+         answer = any(contact%corner == corner .and. contact%boundary == boundary &
+                      .and. contact%give > 0.0_wp)
+      end associate
+   end function gives_way
 
    !> Refuse a step in which a face that was settled to push a corner ends up far beside it: it has
    !> pushed on after it had gone. What gives may go.

@@ -32,6 +32,8 @@ module coulter_step_retile
 
    !> Way of tools after which flowing bodies are tiled anew, over the spacing.
    real(wp), parameter :: longest_way = 0.4_wp
+   !> They are also if a tip has cut into tiles by more than this, over the spacing.
+   real(wp), parameter :: cut_in = 0.2_wp
 
 contains
 
@@ -54,7 +56,8 @@ contains
       system%way_since_tiling = system%way_since_tiling + way
       are_distorted = is_distorted(report%worst_corner, report%worst_aspect)
       are_due = is_flowing(model) .and. system%way_since_tiling >= longest_way &
-         .and. is_worn(report%worst_corner, report%worst_aspect)
+         .and. (is_worn(report%worst_corner, report%worst_aspect) &
+                .or. any(report%tip_penetrations > cut_in*model%grid%smallest_spacing()))
       do_lie_over = do_overlap(system, model%grid%smallest_spacing())
       if (.not. (are_distorted .or. are_due .or. do_lie_over)) return
       call find_parts(parts, model%tiling, model%points%body, size(model%bodies), part)
