@@ -4,7 +4,7 @@
 module coulter_boundary_limit
    use coulter_base_kinds, only: wp
    use coulter_boundary_face, only: place_type
-   use coulter_boundary_friction, only: outer, rub_type
+   use coulter_boundary_friction, only: friction_type, outer, rub_type, shear_capacity
    implicit none(type, external)
    private
    public :: limit_type, limit_press, limit_rub
@@ -44,24 +44,31 @@ contains
       answer%by_stress = 0.0_wp
    end subroutine limit_press
 
-   !> Limit the shear, after `rub`.
-   pure subroutine limit_rub(answer, place, limit)
+   !> Limit the shear, after `rub`, to that of the material within what the face can carry.
+   pure subroutine limit_rub(answer, place, limit, friction)
       !> Complete answer.
       type(rub_type), intent(inout) :: answer
       !> Place of the station relative to a straight face.
       type(place_type), intent(in) :: place
       !> Its limits.
       type(limit_type), intent(in) :: limit
-      real(wp) :: change
+      !> Friction of the face.
+      type(friction_type), intent(in) :: friction
+      real(wp) :: change, capacity, slope
 
-      change = limit%traction(2) - answer%traction(2)
+      call shear_capacity(friction, answer%traction(1), capacity, slope)
+      change = sign(min(capacity, abs(limit%traction(2))), limit%traction(2)) - answer%traction(2)
+      slope = sign(slope, limit%traction(2))
+      if (capacity > abs(limit%traction(2))) slope = 0.0_wp
       change = sign(max(0.0_wp, abs(change) - limit%margin), change)
       if (.not. abs(change) > 0.0_wp) return
       answer%traction(2) = answer%traction(2) + change
       answer%vector = answer%vector + change*place%tangent
-      associate (n => place%normal)
-         answer%by_place = outer(n, matmul(n, answer%by_place))
-         answer%by_stress = outer(n, matmul(n, answer%by_stress))
+      associate (n => place%normal, t => place%tangent)
+         answer%by_place = outer(n, matmul(n, answer%by_place)) &
+            + slope*outer(t, answer%normal_by_place)
+         answer%by_stress = outer(n, matmul(n, answer%by_stress)) &
+            + slope*outer(t, answer%normal_by_stress)
       end associate
    end subroutine limit_rub
 

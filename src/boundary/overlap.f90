@@ -75,8 +75,8 @@ contains
       overlap%share = max(0.0_wp, to - from)*[1.0_wp - 0.5_wp*(from + to), 0.5_wp*(from + to)]
    end subroutine find_overlap
 
-   !> Sine of the angle between the faces of a tip, 1 if it is not acute. Behind a slender one, up to
-   !> the spacing over it along a face, cells hold both sides of the gap that the tool fills.
+   !> Sine of the angle between the faces of a tip, 1 if it is not acute. Behind a slender one, up
+   !> to the spacing over it along a face, cells hold both sides of the gap that the tool fills.
    pure function sine_of(tip) result(sine)
       type(tip_type), intent(in) :: tip
       real(wp) :: sine

@@ -242,8 +242,8 @@ contains
    end subroutine find_crossings
 
    !> Is a node on the outline beyond the gap behind a corner of a tool for one inside, whose way to
-   !> it crosses the outline somewhere? Where the outline is rugged it may cross it, too, but runs on
-   !> to the node.
+   !> it crosses the outline somewhere? Where that is rugged it may be crossed, too, but runs on to
+   !> the node.
    pure function is_across(outline, place, node, h) result(answer)
       type(outline_type), intent(in) :: outline
       real(wp), intent(in) :: place(2), node(2), h

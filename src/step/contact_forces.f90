@@ -282,7 +282,8 @@ contains
          end if
       end associate
       if (contact%give > 0.0_wp) call limit_rub(answer, place, limit_of(system, model, contact, &
-                                                                        place))
+                                                                        place), &
+                                                friction_of(model%boundaries(contact%boundary)))
       contact%slip = answer%slip
       contact%new_lag = (answer%traction(2) - dot_product(place%tangent, material))/penalty(2) &
          *place%tangent

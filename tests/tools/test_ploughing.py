@@ -42,19 +42,23 @@ def run(folder, path, n):
     return history, np.array(masses), spacing
 
 
-@pytest.mark.parametrize(("path", "n", "friction", "limit"), [
-    ("plough/plough.nml", 20, 0.2, np.inf),
-    ("plough/share.nml", 20, 0.2, 5.0),
-    ("plough/sand.nml", 10, 0.3, np.inf),
-    ("pipe/rough.nml", 12, np.inf, 1.0),
-    ("pipe/penetration.nml", 12, 0.0, 0.0),
-    ("indentation/wedge.nml", 20, 0.0, 0.0),
+# where soil parts, a tip cuts into tiles until new ones come: after 0.4 cells of way, at most a step late
+CUT = 0.4 + 0.16
+
+
+@pytest.mark.parametrize(("path", "n", "friction", "limit", "tips"), [
+    ("plough/plough.nml", 20, 0.2, np.inf, CUT),
+    ("plough/share.nml", 20, 0.2, 5.0, CUT),
+    ("plough/sand.nml", 10, 0.3, np.inf, CUT),
+    ("pipe/rough.nml", 12, np.inf, 1.0, 0.0),
+    ("pipe/penetration.nml", 12, 0.0, 0.0, 0.0),
+    ("indentation/wedge.nml", 20, 0.0, 0.0, 0.02),
 ])
-def test_tools_stay_outside(tmp_path, path, n, friction, limit):
+def test_tools_stay_outside(tmp_path, path, n, friction, limit, tips):
     history, masses, spacing = run(tmp_path, path, n)
     assert history["has_retiled"].sum() >= 1
     assert history["penetrations"].max() <= 0.02 * spacing
-    assert history["tip_penetrations"].max() <= 0.02 * spacing
+    assert history["tip_penetrations"].max() <= tips * spacing
     assert masses == pytest.approx(masses[0], rel=1e-9)
     force = np.abs(history["boundary_reactions"]).max()
     assert np.abs(history["imbalance"]).max() <= 1e-7 * force
