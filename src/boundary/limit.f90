@@ -58,7 +58,7 @@ contains
 
       call shear_capacity(friction, answer%traction(1), capacity, slope)
       change = sign(min(capacity, abs(limit%traction(2))), limit%traction(2)) - answer%traction(2)
-      slope = sign(slope, limit%traction(2))
+      slope = slope*sign(1.0_wp, limit%traction(2))
       if (capacity > abs(limit%traction(2))) slope = 0.0_wp
       change = sign(max(0.0_wp, abs(change) - limit%margin), change)
       if (.not. abs(change) > 0.0_wp) return
