@@ -20,6 +20,9 @@ module coulter_results_log_scene
    integer, parameter :: label_width = 14
    !> Width of the counts behind them.
    integer, parameter :: count_width = 11
+   !> Tiles whose aspect (longest edge squared over area) is above this are slivers: thinner than a
+   !> hundredth of their length.
+   real(wp), parameter :: sliver_aspect = 100.0_wp
 
 contains
 
@@ -45,6 +48,7 @@ contains
       call write_count("steps", int(size(model%schedule%end_time), long), phases_text(model))
       call write_boundaries(unit, model)
       call write_contacts(unit, model)
+      if (allocated(model%tiling)) call write_slivers(unit, model)
       call write_paragraph(unit, "  "//left("not needed", label_width), not_needed(model))
 
    contains
@@ -125,6 +129,27 @@ contains
          write (unit, "(2x, a)") text
       end do
    end subroutine write_contacts
+
+   !> Name bodies with slivers among their tiles, which an outline beside a grid line makes: their
+   !> stress is worth little.
+   subroutine write_slivers(unit, model)
+      integer, intent(in) :: unit
+      type(model_type), intent(in) :: model
+      logical :: is_sliver(model%points%n_points)
+      integer :: b, p
+
+      do b = 1, size(model%bodies)
+         is_sliver = model%points%body == b .and. model%tiling%first_aspect > sliver_aspect
+         if (.not. any(is_sliver)) cycle
+         p = maxloc(model%tiling%first_aspect, dim=1, mask=is_sliver)
+         call write_paragraph(unit, "  "//left("slivers", label_width), "body " &
+                              //model%bodies(b)%name//" has " &
+                              //plural(count(is_sliver), "tile", "tiles")//" thinner than a" &
+                              //" hundredth of the length, the thinnest near (" &
+                              //to_text(model%points%position(:, p))//"): let grid lines keep" &
+                              //" away from its outline, or lie on it")
+      end do
+   end subroutine write_slivers
 
    !> How a boundary acts: "roller, pushes only, moves by (-36, 0)".
    pure function formulation(boundary) result(text)
