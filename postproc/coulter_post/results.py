@@ -15,7 +15,15 @@ import numpy as np
 
 T = TypeVar("T")
 #: Data of the history that have no row per step.
-LISTS = ("phase_names", "fixity_names", "warning_rows", "warning_texts")
+LISTS = (
+    "phase_names",
+    "fixity_names",
+    "warning_rows",
+    "warning_texts",
+    "reset_rows",
+    "reset_residuals",
+    "reset_force_changes",
+)
 #: Attempts to read a file into which a run may be writing, and the pause between them (s).
 ATTEMPTS, PAUSE = 10, 0.1
 
@@ -223,6 +231,24 @@ class Results:
             n_rows = int(group.attrs["n_rows"])
             pairs = zip(group["warning_rows"], group["warning_texts"], strict=False)
             return [(int(row), _text(text)) for row, text in pairs if row < n_rows]
+
+        return self._read(query)
+
+    @property
+    def resets(self) -> list[tuple[int, float, np.ndarray]]:
+        """Where bodies were tiled anew: row in the history, residual, changes of forces."""
+
+        def query(file: h5py.File) -> list[tuple[int, float, np.ndarray]]:
+            group = file["history"]
+            if "reset_rows" not in group:
+                return []
+            n_rows = int(group.attrs["n_rows"])
+            lists = (group["reset_rows"], group["reset_residuals"], group["reset_force_changes"])
+            return [
+                (int(row), float(residual), np.asarray(changes))
+                for row, residual, changes in zip(*lists, strict=False)
+                if row < n_rows
+            ]
 
         return self._read(query)
 

@@ -4,7 +4,8 @@ module coulter_base_polygon
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: polygon_type, clip_half_plane, clip_box, area_and_centroid, overlap_area
+   public :: polygon_type, clip_half_plane, clip_box, area_and_centroid, overlap_area, &
+      find_overlap
    public :: polyline_distance, contains_point, distance_to_segment, turn, winding_number
 
    !> A polygon that can shrink and grow; corners beyond `n` are not meaningful.
@@ -93,33 +94,54 @@ contains
       if (abs(area) > 0.0_wp) centroid = centroid + moment/area
    end subroutine area_and_centroid
 
-   !> Area that two simple polygons share, convex or not: both are fans of signed triangles.
+   !> Area that two simple polygons share.
    pure function overlap_area(first, second) result(area)
       !> Corners of the polygons, counter-clockwise, shape (2, n).
       real(wp), intent(in) :: first(:, :), second(:, :)
       real(wp) :: area
+      real(wp) :: centroid(2)
+
+      call find_overlap(first, second, area, centroid)
+   end function overlap_area
+
+   !> Area that two simple polygons share, convex or not, and its centroid: both are fans of signed
+   !> triangles.
+   pure subroutine find_overlap(first, second, area, centroid)
+      !> Corners of the polygons, counter-clockwise, shape (2, n).
+      real(wp), intent(in) :: first(:, :), second(:, :)
+      !> Area that they share.
+      real(wp), intent(out) :: area
+      !> Centroid of that; the first corner if there is none.
+      real(wp), intent(out) :: centroid(2)
+      real(wp) :: part, place(2), moment(2)
       integer :: i, j
 
       area = 0.0_wp
+      moment = 0.0_wp
       do i = 2, size(first, 2) - 1
          do j = 2, size(second, 2) - 1
-            area = area + triangle_overlap(first(:, [1, i, i + 1]), second(:, [1, j, j + 1]))
+            call overlap_triangles(first(:, [1, i, i + 1]), second(:, [1, j, j + 1]), part, place)
+            area = area + part
+            moment = moment + part*(place - first(:, 1))
          end do
       end do
-   end function overlap_area
+      centroid = first(:, 1)
+      if (area > 0.0_wp) centroid = centroid + moment/area
+   end subroutine find_overlap
 
-   !> Signed area shared by two triangles of any orientation.
-   pure function triangle_overlap(first, second) result(area)
+   !> Signed area shared by two triangles of any orientation, and its centroid.
+   pure subroutine overlap_triangles(first, second, area, centroid)
       real(wp), intent(in) :: first(2, 3), second(2, 3)
-      real(wp) :: area
+      real(wp), intent(out) :: area, centroid(2)
       type(polygon_type) :: part, rest
-      real(wp) :: edge(2), normal(2), orientation, first_area, centroid(2)
+      real(wp) :: edge(2), normal(2), orientation
       integer :: i
 
-      area = 0.0_wp
       call area_and_centroid(second, orientation, centroid)
-      call area_and_centroid(first, first_area, centroid)
-      if (.not. abs(orientation*first_area) > 0.0_wp) return
+      call area_and_centroid(first, area, centroid)
+      if (.not. abs(orientation*area) > 0.0_wp) area = 0.0_wp
+      if (.not. abs(area) > 0.0_wp) return
+      area = 0.0_wp
       part%n = 3
       part%corner = first
       do i = 1, 3
@@ -131,7 +153,7 @@ contains
       end do
       call area_and_centroid(part%corner(:, :part%n), area, centroid)
       area = area*sign(1.0_wp, orientation)
-   end function triangle_overlap
+   end subroutine overlap_triangles
 
    !> Least distance between an open polyline and a polygon with its interior.
    pure function polyline_distance(polyline, corner) result(distance)

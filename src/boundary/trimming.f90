@@ -15,6 +15,9 @@ module coulter_boundary_trimming
 
    !> Corners deeper behind a face than this belong to something else, over the spacing.
    real(wp), parameter :: deepest = 0.5_wp
+   !> Corners less deep than this stay there: the gap is what contacts press with, and without it
+   !> tools would lose a tenth of their force until the next step; over the spacing.
+   real(wp), parameter :: shallow = 0.01_wp
    !> A face acts on edges that look at it: the product of both normals is below this.
    real(wp), parameter :: facing = -0.3_wp
    !> Outlines that pass a corner of a tool by less than this keep a corner there, over the spacing:
@@ -72,7 +75,7 @@ contains
          if (boundaries(b)%is_bilateral .or. .not. boundaries(b)%is_active) cycle
          do s = 1, size(boundaries(b)%vertices, 2) - 1
             call find_place(boundaries(b), s, outline%corner(:, c), 0.0_wp, place)
-            if (.not. (place%gap < 0.0_wp .and. place%gap > least)) cycle
+            if (.not. (place%gap < -shallow*spacing .and. place%gap > least)) cycle
             if (.not. (looks_at(edge_from(outline, c), place%normal) &
                        .or. looks_at(edge_from(outline, outline%previous(c)), place%normal))) cycle
             least = place%gap
@@ -82,8 +85,8 @@ contains
       outline%corner(:, c) = outline%corner(:, c) + shift
    end subroutine push_out
 
-   !> Move outer corners of new tiles that are a little behind faces onto them: those that lie on
-   !> chords of arcs.
+   !> Move outer corners of new tiles that are a little behind arcs onto them: those that lie on
+   !> chords.
    pure subroutine push_corners_out(tiling, boundaries, spacing)
       !> Tiles whose corners move.
       type(tiling_type), intent(inout) :: tiling
@@ -98,6 +101,7 @@ contains
       do b = 1, size(boundaries)
          if (boundaries(b)%is_bilateral .or. .not. boundaries(b)%is_active) cycle
          do s = 1, size(boundaries(b)%vertices, 2) - 1
+            if (.not. abs(boundaries(b)%bulge(s)) > 0.0_wp) cycle
             do e = 1, size(tiling%outer_edge, 2)
                along = tiling%position(:, tiling%outer_edge(2, e)) &
                   - tiling%position(:, tiling%outer_edge(1, e))

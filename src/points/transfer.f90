@@ -1,30 +1,26 @@
 !> From distorted tiles to new ones: shape of the outline, and what the points carry.
 !>
-!> Averages over the shared areas keep a uniform state as it is, and elastic strains inside a
-!> convex yield surface (theory, section 8).
+!> Integrals over the shared areas are kept, of values that vary linearly in the old tiles (theory,
+!> section 8).
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_points_transfer
    use coulter_base_kinds, only: wp
-   use coulter_base_polygon, only: area_and_centroid, overlap_area
+   use coulter_base_polygon, only: area_and_centroid
    use coulter_base_tensor, only: finger_of_log_strain_plane, log_strain_plane
    use coulter_points, only: allocate_points, points_type
+   use coulter_points_overlaps, only: find_overlaps, lookup_type, overlaps_type, sort_tiles
+   use coulter_points_slopes, only: field_type, fit_slopes
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
    private
    public :: restore_area, transfer_points
 
-   !> Old tiles by the cells of a lattice that the boxes around them touch.
-   type :: lookup_type
-      real(wp) :: origin(2) = 0.0_wp, spacing = 1.0_wp
-      !> First entry and number of entries of every cell, shape (nx, ny); the entries.
-      integer, allocatable :: start(:, :), count(:, :), tile(:)
-   end type lookup_type
-
-   !> New tiles that share less than this part of their area with old ones take the state of the
-   !> nearest.
-   real(wp), parameter :: least_share = 1.0e-6_wp
    !> New tiles flow on where a larger share than this of what they are made of flowed.
    real(wp), parameter :: most_at_rest = 0.5_wp
+   !> Fields that are carried: density over the first one times elastic strain (so that the integral
+   !> of the Cauchy stress is kept), that density, displacement; from the next one on what may not
+   !> leave its bounds: shared ratio and the variables of laws.
+   integer, parameter :: load_field = 1, density_field = 2, displacement_field = 3, n_fields = 3
 
 contains
 
@@ -78,9 +74,10 @@ contains
 
    end subroutine restore_area
 
-   !> Points for new tiles with what the points of the old ones carry: logarithmic elastic strain,
-   !> law state, displacement, shared ratio and 1/J averaged over the shared areas. Their reference
-   !> volumes add up to what they were; the rotation in the deformation gradient is lost.
+   !> Points for new tiles with what the points of the old ones carry: elastic strain and 1/J as means
+   !> over the shared areas, law state, displacement and shared ratio as means over the shared
+   !> masses. Their reference volumes add up to what they were; the rotation in the deformation
+   !> gradient is lost.
    pure subroutine transfer_points(points, tiling, owner, old_points, old_tiling, spacing)
       !> Points to make; their stress is left for the laws to find.
       type(points_type), intent(out) :: points
@@ -94,57 +91,121 @@ contains
       type(tiling_type), intent(in) :: old_tiling
       !> Size of the cells that sort the tiles, length units.
       real(wp), intent(in) :: spacing
+      type(field_type) :: fields(n_fields + 1 + old_points%n_state)
       type(lookup_type) :: lookup
-      real(wp), allocatable :: strain(:, :), weight(:)
-      integer, allocatable :: found(:)
-      real(wp) :: centroid(2), area
+      type(overlaps_type) :: overlaps
+      real(wp) :: area
       integer :: p, n
 
       call allocate_points(points, size(owner), old_points%n_state)
       points%body = owner
       if (allocated(old_points%shared_ratio)) allocate (points%shared_ratio(size(owner)))
       if (allocated(old_points%has_flowed)) allocate (points%has_flowed(size(owner)))
-      allocate (strain(4, old_points%n_points))
-      do p = 1, old_points%n_points
-         call log_strain_plane(old_points%converged%elastic_finger(:, p), strain(:, p))
-      end do
+      call list_fields(fields, n, old_points)
+      call fit_slopes(fields(:n), old_tiling, old_points%body, old_points%position)
       call sort_tiles(lookup, old_tiling, spacing)
-      allocate (found(old_points%n_points), weight(old_points%n_points))
       do p = 1, points%n_points
          associate (corner => tiling%position(:, tiling%corner(:, p)))
-            call area_and_centroid(corner, area, centroid)
-            points%position(:, p) = centroid
+            call area_and_centroid(corner, area, points%position(:, p))
             points%domain_size(:, p) = maxval(corner, dim=2) - minval(corner, dim=2)
-            call find_overlaps(lookup, old_tiling, old_points, corner, owner(p), found, weight, n)
-            call average(points, p, old_points, strain, found(:n), weight(:n), area)
+            call find_overlaps(overlaps, lookup, old_tiling, old_points%body, &
+                               old_points%position, corner, owner(p))
+            call average(points, p, area, old_points, fields(:n), overlaps)
          end associate
       end do
       call keep_mass(points, old_points)
    end subroutine transfer_points
 
-   !> State of one point from those of the old tiles that it shares area with.
-   pure subroutine average(points, p, old, strain, found, weight, area)
-      type(points_type), intent(inout) :: points
-      integer, intent(in) :: p, found(:)
+   !> Fields with their values in the old tiles.
+   pure subroutine list_fields(fields, n, old)
+      type(field_type), intent(inout) :: fields(:)
+      !> How many there are.
+      integer, intent(out) :: n
       type(points_type), intent(in) :: old
-      real(wp), intent(in) :: strain(:, :), weight(:), area
-      real(wp) :: share(size(found)), ratio
+      real(wp) :: strain(4)
+      integer :: k, p
 
-      share = weight/sum(weight)
-      ratio = 1.0_wp/dot_product(share, 1.0_wp/old%volume_ratio(found))
-      call finger_of_log_strain_plane(matmul(strain(:, found), share), &
-                                      points%converged%elastic_finger(:, p))
-      points%converged%law_state(:, p) = matmul(old%converged%law_state(:, found), share)
-      points%displacement(:, p) = matmul(old%displacement(:, found), share)
-      points%volume_ratio(p) = ratio
+      allocate (fields(load_field)%value(4, old%n_points))
+      do p = 1, old%n_points
+         call log_strain_plane(old%converged%elastic_finger(:, p), strain)
+         fields(load_field)%value(:, p) = strain/old%volume_ratio(p)
+      end do
+      ! the shear strain is twice the component of the tensor, which stands for two
+      fields(load_field)%weight = [1.0_wp, 1.0_wp, 1.0_wp, 0.5_wp]
+      call list_bounded(fields(density_field), 1.0_wp/old%volume_ratio)
+      fields(displacement_field)%value = old%displacement
+      fields(displacement_field)%weight = [1.0_wp, 1.0_wp]
+      n = n_fields
+      do k = 1, old%n_state
+         n = n + 1
+         call list_bounded(fields(n), old%converged%law_state(k, :))
+      end do
+      if (.not. allocated(old%shared_ratio)) return
+      n = n + 1
+      call list_bounded(fields(n), old%shared_ratio)
+   end subroutine list_fields
+
+   !> A field of one component that keeps its bounds.
+   pure subroutine list_bounded(field, value)
+      type(field_type), intent(inout) :: field
+      real(wp), intent(in) :: value(:)
+
+      field%value = reshape(value, [1, size(value)])
+      field%weight = [1.0_wp]
+      field%is_bounded = .true.
+   end subroutine list_bounded
+
+   !> State of one point from the fields of the old tiles that it shares area with.
+   pure subroutine average(points, p, area, old, fields, overlaps)
+      type(points_type), intent(inout) :: points
+      integer, intent(in) :: p
+      real(wp), intent(in) :: area
+      type(points_type), intent(in) :: old
+      type(field_type), intent(in) :: fields(:)
+      type(overlaps_type), intent(in) :: overlaps
+      real(wp) :: share(overlaps%n), density(1), value(1), strain(4)
+      integer :: k
+
+      share = overlaps%area(:overlaps%n)/sum(overlaps%area(:overlaps%n))
+      density = mean(fields(density_field), overlaps, share)
+      strain = mean(fields(load_field), overlaps, share)/density(1)
+      call finger_of_log_strain_plane(strain, points%converged%elastic_finger(:, p))
+      points%volume_ratio(p) = 1.0_wp/density(1)
+      points%reference_volume(p) = area*density(1)
+      share = share/old%volume_ratio(overlaps%tile(:overlaps%n))
+      share = share/sum(share)
+      points%displacement(:, p) = mean(fields(displacement_field), overlaps, share)
+      do k = 1, old%n_state
+         value = mean(fields(n_fields + k), overlaps, share)
+         points%converged%law_state(k, p) = value(1)
+      end do
       if (allocated(old%shared_ratio)) then
-         points%shared_ratio(p) = dot_product(share, old%shared_ratio(found))
+         value = mean(fields(size(fields)), overlaps, share)
+         points%shared_ratio(p) = value(1)
       end if
-      points%reference_volume(p) = area/ratio
       if (allocated(old%has_flowed)) then
-         points%has_flowed(p) = sum(share, mask=old%has_flowed(found)) > most_at_rest
+         points%has_flowed(p) = sum(share, mask=old%has_flowed(overlaps%tile(:overlaps%n))) &
+            > most_at_rest
       end if
    end subroutine average
+
+   !> Mean of a field over pieces of tiles.
+   pure function mean(field, pieces, share)
+      type(field_type), intent(in) :: field
+      type(overlaps_type), intent(in) :: pieces
+      !> Share of every piece.
+      real(wp), intent(in) :: share(:)
+      real(wp) :: mean(size(field%weight))
+      integer :: k
+
+      mean = 0.0_wp
+      do k = 1, pieces%n
+         associate (tile => pieces%tile(k))
+            mean = mean + share(k)*(field%value(:, tile) &
+                                    + matmul(pieces%way(:, k), field%slope(:, :, tile)))
+         end associate
+      end do
+   end function mean
 
    !> Scale the volumes of every body so that it has its old mass; J follows.
    pure subroutine keep_mass(points, old)
@@ -166,92 +227,5 @@ contains
          end do
       end do
    end subroutine keep_mass
-
-   !> Old tiles of a body that share area with a polygon; the nearest if there is none.
-   pure subroutine find_overlaps(lookup, tiling, points, corner, body, found, weight, n)
-      type(lookup_type), intent(in) :: lookup
-      type(tiling_type), intent(in) :: tiling
-      type(points_type), intent(in) :: points
-      real(wp), intent(in) :: corner(2, 4)
-      integer, intent(in) :: body
-      integer, intent(inout) :: found(:)
-      real(wp), intent(inout) :: weight(:)
-      integer, intent(out) :: n
-      integer :: i, j, k, tile, low(2), high(2)
-      real(wp) :: shared, area, centroid(2)
-
-      n = 0
-      call cells_around(lookup, corner, low, high)
-      do j = low(2), high(2)
-         do i = low(1), high(1)
-            do k = lookup%start(i, j), lookup%start(i, j) + lookup%count(i, j) - 1
-               tile = lookup%tile(k)
-               if (points%body(tile) /= body) cycle
-               if (any(found(:n) == tile)) cycle
-               shared = overlap_area(corner, tiling%position(:, tiling%corner(:, tile)))
-               if (.not. shared > 0.0_wp) cycle
-               n = n + 1
-               found(n) = tile
-               weight(n) = shared
-            end do
-         end do
-      end do
-      call area_and_centroid(corner, area, centroid)
-      if (n > 0) then
-         if (sum(weight(:n)) > least_share*area) return
-      end if
-      n = 1
-      weight(1) = 1.0_wp
-      found(1) = minloc(norm2(points%position - spread(centroid, 2, points%n_points), dim=1), &
-                        mask=points%body == body, dim=1)
-   end subroutine find_overlaps
-
-   !> Enter every tile in all cells that the box around it touches.
-   pure subroutine sort_tiles(lookup, tiling, spacing)
-      type(lookup_type), intent(out) :: lookup
-      type(tiling_type), intent(in) :: tiling
-      real(wp), intent(in) :: spacing
-      integer :: p, i, j, n, pass, low(2), high(2)
-
-      lookup%origin = minval(tiling%position, dim=2)
-      lookup%spacing = spacing
-      associate (n_cells => int((maxval(tiling%position, dim=2) - lookup%origin)/spacing) + 1)
-         allocate (lookup%count(n_cells(1), n_cells(2)), source=0)
-      end associate
-      lookup%start = lookup%count
-      do pass = 1, 2
-         lookup%count = 0
-         do p = 1, size(tiling%corner, 2)
-            call cells_around(lookup, tiling%position(:, tiling%corner(:, p)), low, high)
-            do j = low(2), high(2)
-               do i = low(1), high(1)
-                  if (pass == 2) lookup%tile(lookup%start(i, j) + lookup%count(i, j)) = p
-                  lookup%count(i, j) = lookup%count(i, j) + 1
-               end do
-            end do
-         end do
-         if (pass == 2) return
-         allocate (lookup%tile(sum(lookup%count)))
-         n = 1
-         do j = 1, size(lookup%count, 2)
-            do i = 1, size(lookup%count, 1)
-               lookup%start(i, j) = n
-               n = n + lookup%count(i, j)
-            end do
-         end do
-      end do
-   end subroutine sort_tiles
-
-   !> Range of cells that the box around a polygon touches.
-   pure subroutine cells_around(lookup, corner, low, high)
-      type(lookup_type), intent(in) :: lookup
-      real(wp), intent(in) :: corner(2, 4)
-      integer, intent(out) :: low(2), high(2)
-
-      low = floor((minval(corner, dim=2) - lookup%origin)/lookup%spacing) + 1
-      high = floor((maxval(corner, dim=2) - lookup%origin)/lookup%spacing) + 1
-      low = min(max(low, 1), shape(lookup%count))
-      high = min(max(high, 1), shape(lookup%count))
-   end subroutine cells_around
 
 end module coulter_points_transfer

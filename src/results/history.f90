@@ -17,8 +17,8 @@ module coulter_results_history
    type :: history_type
       !> Rows written so far.
       integer :: n_rows = 0
-      !> Warnings written so far.
-      integer, private :: n_warnings = 0
+      !> Warnings and resets written so far.
+      integer, private :: n_warnings = 0, n_resets = 0
       !> Residuals that a row has room for.
       integer, private :: n_residuals = 1
    end type history_type
@@ -47,6 +47,7 @@ contains
       call add_boundary_columns(file, model)
       call add_surface_columns(file, model, chunk)
       call add_warnings(file)
+      call add_resets(file, model)
       call add_real(file, "residuals", [history%n_residuals], &
                     "relative residual before every iteration and at the end, then NaN", "1")
       call add_real(file, "phase_seconds", [n_phases], "wall time by phase", "s")
@@ -75,6 +76,7 @@ contains
       call file%put_reals("history/residuals", row, size(residuals), residuals)
       call file%put_reals("history/phase_seconds", row, n_phases, report%phase_seconds)
       if (allocated(report%warnings)) call put_warnings(history, file, report%warnings)
+      if (allocated(report%reset_force_changes)) call put_reset(history, file, report)
       call file%flush()
       history%n_rows = history%n_rows + 1
       call file%set_integers("history", "n_rows", [history%n_rows])
@@ -274,6 +276,35 @@ contains
          first = last + 2
       end do
    end subroutine put_warnings
+
+   !> Lists of what new tiles change: most scenes have none.
+   subroutine add_resets(file, model)
+      type(hdf5_file_type), intent(inout) :: file
+      type(model_type), intent(in) :: model
+
+      call add_integer(file, "reset_rows", &
+                       "row of the step after which bodies were tiled anew, from 0")
+      call add_real(file, "reset_residuals", [integer ::], &
+                    "relative residual of the new tiles before they move", "1")
+      call add_real(file, "reset_force_changes", [2, size(model%boundaries)], &
+                    "change of the force of every boundary by the new tiles before they move", &
+                    model%units%force)
+   end subroutine add_resets
+
+   !> Write what new tiles change after the present row.
+   subroutine put_reset(history, file, report)
+      type(history_type), intent(inout) :: history
+      type(hdf5_file_type), intent(inout) :: file
+      type(step_report_type), intent(in) :: report
+
+      associate (place => int(history%n_resets, long))
+         call put_integer(file, "reset_rows", place, history%n_rows)
+         call file%put_reals("history/reset_residuals", place, 1, [report%reset_residual])
+         call file%put_reals("history/reset_force_changes", place, &
+                             size(report%reset_force_changes), report%reset_force_changes)
+      end associate
+      history%n_resets = history%n_resets + 1
+   end subroutine put_reset
 
    !> Write the names of the fixities in the order of their reactions.
    subroutine put_fixity_names(file, model)

@@ -34,11 +34,17 @@ def run(folder, path, n):
         rows = file["history"].attrs["n_rows"]
         history = {name: data[:rows] for name, data in file["history"].items()
                    if data.shape and data.shape[0] >= rows}
+        resets = {name: file["history"][name][:] for name in (
+            "reset_rows", "reset_residuals", "reset_force_changes")}
         points = file["VTKHDF/PointData"]
         rows_of = [slice(a, a + m) for a, m in zip(file["VTKHDF/Steps/PointOffsets"],
                                                    file["VTKHDF/NumberOfPoints"], strict=True)]
         masses = [(points["volume"][k] / points["volume_ratio"][k]).sum() for k in rows_of]
     spacing = float(re.search(r"spacing = ([\d.]+)", text)[1])
+    assert (resets["reset_rows"] == np.flatnonzero(history["has_retiled"])).all()
+    assert (resets["reset_residuals"] > 0.0).all()
+    before = history["boundary_reactions"][resets["reset_rows"]]
+    assert np.abs(resets["reset_force_changes"]).max() <= np.abs(before).max()
     return history, np.array(masses), spacing
 
 
