@@ -25,9 +25,13 @@ module coulter_boundary_trimming
    real(wp), parameter :: passing = 0.25_wp, cut_off = 1.0_wp
    !> Corners of the outline nearer than this to one of a tool move there, over the spacing.
    real(wp), parameter :: merging = 0.2_wp
+   !> Corners this near to a face lie on it, over the spacing.
+   real(wp), parameter :: on_face = 0.02_wp
    !> Edges of the outline that pass deeper than this behind an arc get a corner on it, over the
    !> spacing.
    real(wp), parameter :: sagitta = 0.05_wp
+   !> Corners of new tiles on chords of arcs are at most this deep, over the spacing.
+   real(wp), parameter :: chord_depth = 0.3_wp
 
 contains
 
@@ -51,7 +55,7 @@ contains
       do b = 1, size(boundaries)
          if (boundaries(b)%is_bilateral .or. .not. boundaries(b)%is_active) cycle
          do v = 1, size(boundaries(b)%vertices, 2)
-            call add_vertex(outline, boundaries(b), v, spacing)
+            call add_vertex(outline, boundaries, b, v, spacing)
          end do
          do v = 1, size(boundaries(b)%vertices, 2) - 1
             call bend_along(outline, boundaries(b), v, spacing)
@@ -108,7 +112,7 @@ contains
                do k = 1, 2
                   associate (corner => tiling%position(:, tiling%outer_edge(k, e)))
                      call find_place(boundaries(b), s, corner, 0.0_wp, place)
-                     if (.not. (place%gap < 0.0_wp .and. place%gap > -2.0_wp*sagitta*spacing)) cycle
+                     if (.not. (place%gap < 0.0_wp .and. place%gap > -chord_depth*spacing)) cycle
                      if (looks_at(along, place%normal)) corner = corner - place%gap*place%normal
                   end associate
                end do
@@ -119,19 +123,20 @@ contains
 
    !> Let the outline have a corner where a boundary has a vertex: at it if that is inside the body,
    !> else where the outline passes by.
-   pure subroutine add_vertex(outline, boundary, v, spacing)
+   pure subroutine add_vertex(outline, boundaries, b, v, spacing)
       type(outline_type), intent(inout) :: outline
-      type(boundary_type), intent(in) :: boundary
-      integer, intent(in) :: v
+      type(boundary_type), intent(in) :: boundaries(:)
+      !> Boundary, and its vertex.
+      integer, intent(in) :: b, v
       real(wp), intent(in) :: spacing
       real(wp) :: share, foot(2), limit, ends(2, 2)
       integer :: edge, c
       logical :: is_inside
 
-      associate (vertex => boundary%vertices(:, v))
+      associate (vertex => boundaries(b)%vertices(:, v), vertices => boundaries(b)%vertices)
          is_inside = encloses(outline, vertex)
          limit = merge(cut_off, passing, is_inside)*spacing
-         call nearest_edge(outline, boundary, v, limit, edge, share)
+         call nearest_edge(outline, boundaries(b), v, limit, edge, share)
          if (edge == 0) return
          ends = outline%corner(:, [edge, outline%next(edge)])
          foot = (1.0_wp - share)*ends(:, 1) + share*ends(:, 2)
@@ -142,13 +147,31 @@ contains
          else
             call insert_corner(outline, edge, foot)
             c = outline%n
-            if (is_inside) call add_crossings(outline, edge, c, ends, boundary%vertices, v, &
+            if (is_inside) call add_crossings(outline, edge, c, ends, vertices, v, &
                                               merging*spacing)
          end if
+         if (leaves_hold(boundaries, outline%corner(:, c), vertex, on_face*spacing)) return
          outline%is_feature(c) = .true.
          if (is_inside) outline%corner(:, c) = vertex
       end associate
    end subroutine add_vertex
+
+   !> Would a corner that a boundary holds for good leave it for the vertex of another one? It would be
+   !> pulled back.
+   pure function leaves_hold(boundaries, corner, vertex, slack) result(answer)
+      type(boundary_type), intent(in) :: boundaries(:)
+      real(wp), intent(in) :: corner(2), vertex(2), slack
+      logical :: answer
+      integer :: other
+
+      answer = .true.
+      do other = 1, size(boundaries)
+         if (.not. (boundaries(other)%is_bilateral .and. boundaries(other)%is_active)) cycle
+         if (is_near_face(boundaries(other), corner, slack) &
+             .and. .not. is_near_face(boundaries(other), vertex, slack)) return
+      end do
+      answer = .false.
+   end function leaves_hold
 
    !> Let edges of the outline that cut off a part of an arc run along it.
    pure subroutine bend_along(outline, boundary, s, spacing)
