@@ -89,8 +89,8 @@ contains
       outline%corner(:, c) = outline%corner(:, c) + shift
    end subroutine push_out
 
-   !> Move outer corners of new tiles that are a little behind arcs onto them: those that lie on
-   !> chords.
+   !> Move outer corners of new tiles that are a little behind faces onto them: those that lie on
+   !> chords of arcs, mostly.
    pure subroutine push_corners_out(tiling, boundaries, spacing)
       !> Tiles whose corners move.
       type(tiling_type), intent(inout) :: tiling
@@ -99,20 +99,21 @@ contains
       !> Grid spacing.
       real(wp), intent(in) :: spacing
       type(place_type) :: place
-      real(wp) :: along(2)
+      real(wp) :: along(2), band(2)
       integer :: b, e, k, s
 
       do b = 1, size(boundaries)
          if (boundaries(b)%is_bilateral .or. .not. boundaries(b)%is_active) cycle
          do s = 1, size(boundaries(b)%vertices, 2) - 1
-            if (.not. abs(boundaries(b)%bulge(s)) > 0.0_wp) cycle
+            band = [shallow, 2.0_wp*sagitta]*spacing
+            if (abs(boundaries(b)%bulge(s)) > 0.0_wp) band = [0.0_wp, chord_depth]*spacing
             do e = 1, size(tiling%outer_edge, 2)
                along = tiling%position(:, tiling%outer_edge(2, e)) &
                   - tiling%position(:, tiling%outer_edge(1, e))
                do k = 1, 2
                   associate (corner => tiling%position(:, tiling%outer_edge(k, e)))
                      call find_place(boundaries(b), s, corner, 0.0_wp, place)
-                     if (.not. (place%gap < 0.0_wp .and. place%gap > -chord_depth*spacing)) cycle
+                     if (.not. (place%gap < -band(1) .and. place%gap > -band(2))) cycle
                      if (looks_at(along, place%normal)) corner = corner - place%gap*place%normal
                   end associate
                end do
@@ -150,25 +151,25 @@ contains
             if (is_inside) call add_crossings(outline, edge, c, ends, vertices, v, &
                                               merging*spacing)
          end if
-         if (leaves_hold(boundaries, outline%corner(:, c), vertex, on_face*spacing)) return
+         if (leaves_hold(boundaries, outline%corner(:, c), vertex, spacing)) return
          outline%is_feature(c) = .true.
          if (is_inside) outline%corner(:, c) = vertex
       end associate
    end subroutine add_vertex
 
-   !> Would a corner that a boundary holds for good leave it for the vertex of another one? It would be
-   !> pulled back.
-   pure function leaves_hold(boundaries, corner, vertex, slack) result(answer)
+   !> Would a corner that a boundary holds for good leave it for the vertex of another one? It would
+   !> be pulled back.
+   pure function leaves_hold(boundaries, corner, vertex, spacing) result(answer)
       type(boundary_type), intent(in) :: boundaries(:)
-      real(wp), intent(in) :: corner(2), vertex(2), slack
+      real(wp), intent(in) :: corner(2), vertex(2), spacing
       logical :: answer
       integer :: other
 
       answer = .true.
       do other = 1, size(boundaries)
          if (.not. (boundaries(other)%is_bilateral .and. boundaries(other)%is_active)) cycle
-         if (is_near_face(boundaries(other), corner, slack) &
-             .and. .not. is_near_face(boundaries(other), vertex, slack)) return
+         if (is_near_face(boundaries(other), corner, on_face*spacing) &
+             .and. .not. is_near_face(boundaries(other), vertex, on_face*spacing)) return
       end do
       answer = .false.
    end function leaves_hold

@@ -1,9 +1,8 @@
 !> How fields vary from tile to tile: slopes by least squares over the neighbours.
 !>
-!> A slope is shrunk to the share of the squared differences to the neighbours that it explains, less
-!> the share that it does not: a linear field keeps it whole, also at the rim of a body, a smooth one
-!> but for a share of the squared spacing, and one that alternates from tile to tile loses it. No
-!> frame of reference enters.
+!> A slope is shrunk to the share of the squared differences to the neighbours that it explains,
+!> less the share that it does not: a linear field keeps it whole, also at the rim of a body, a
+!> smooth one but for a share of the squared spacing, and noise loses it. No frame enters.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_points_slopes
    use coulter_base_kinds, only: wp
@@ -123,8 +122,8 @@ contains
             share = 1.0_wp
             do v = 1, 4
                change = dot_product(field%slope(:, c, tile), corner(:, v) - centroid)
-               room = merge(max(maxval(others) - here, 0.0_wp), min(minval(others) - here, 0.0_wp), &
-                            change > 0.0_wp)
+               room = max(maxval(others) - here, 0.0_wp)
+               if (change < 0.0_wp) room = min(minval(others) - here, 0.0_wp)
                if (abs(change) > abs(room)) share = min(share, room/change)
             end do
          end associate

@@ -74,10 +74,10 @@ contains
 
    end subroutine restore_area
 
-   !> Points for new tiles with what the points of the old ones carry: elastic strain and 1/J as means
-   !> over the shared areas, law state, displacement and shared ratio as means over the shared
-   !> masses. Their reference volumes add up to what they were; the rotation in the deformation
-   !> gradient is lost.
+   !> Points for new tiles with what the points of the old ones carry: 1/J and elastic strain over J
+   !> as means over the shared areas, law state, displacement and shared ratio as means over the
+   !> shared masses. Their reference volumes add up to what they were; the rotation in the
+   !> deformation gradient is lost.
    pure subroutine transfer_points(points, tiling, owner, old_points, old_tiling, spacing)
       !> Points to make; their stress is left for the laws to find.
       type(points_type), intent(out) :: points
