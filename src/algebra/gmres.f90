@@ -1,10 +1,11 @@
-!> GMRES for matrices that are close to one that has been factorised: its symmetric part, or the
+!> GMRES for matrices that are close to one that has been factorised: their symmetric part, or the
 !> tangent of an earlier iteration (Saad, Y. and Schultz, M. H. (1986), SIAM J. Sci. Stat. Comput.
 !> 7, 856-869).
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_algebra_gmres
    use, intrinsic :: iso_c_binding, only: c_null_ptr, c_ptr
    use coulter_algebra_cholesky, only: cholesky_solve
+   use coulter_algebra_lu, only: lu_type
    use coulter_algebra_skew, only: multiply_skew, skew_type
    use coulter_algebra_sparse, only: multiply, pattern_type
    use coulter_base_kinds, only: wp
@@ -16,6 +17,9 @@ module coulter_algebra_gmres
    type :: preconditioner_type
       !> Its Cholesky factor.
       type(c_ptr) :: factor = c_null_ptr
+      !> Its LU factors, and do they serve instead?
+      type(lu_type) :: lu
+      logical :: is_lu = .false.
       !> What A has beyond it; unallocated unless it is the symmetric part of A.
       type(skew_type), allocatable :: rest
    end type preconditioner_type
@@ -52,7 +56,8 @@ contains
       n_iterations = 0
       x = 0.0_wp
       allocate (basis(size(b), most + 1))
-      if (cholesky_solve(preconditioner%factor, b, basis(:, 1)) /= 0) return
+      call precondition(preconditioner, pattern, values, b, basis(:, 1), has_failed)
+      if (has_failed) return
       start = norm2(basis(:, 1))
       if (start <= 0.0_wp) n_iterations = 1
       if (.not. start > 0.0_wp) return
@@ -88,9 +93,25 @@ contains
       else
          call multiply(pattern, values, pair(:, 1), product)
       end if
-      has_failed = cholesky_solve(preconditioner%factor, product, pair(:, 2)) /= 0
+      call precondition(preconditioner, pattern, values, product, pair(:, 2), has_failed)
       if (allocated(preconditioner%rest)) pair(:, 2) = pair(:, 2) + pair(:, 1)
    end subroutine apply
+
+   !> Solve with the factor at hand.
+   subroutine precondition(preconditioner, pattern, values, b, x, has_failed)
+      type(preconditioner_type), intent(in) :: preconditioner
+      type(pattern_type), intent(in) :: pattern
+      real(wp), intent(in) :: values(:), b(:)
+      real(wp), intent(out) :: x(:)
+      logical, intent(out) :: has_failed
+
+      if (preconditioner%is_lu) then
+         call preconditioner%lu%substitute(pattern, values, b, x)
+         has_failed = .not. all(abs(x) < huge(x))
+      else
+         has_failed = cholesky_solve(preconditioner%factor, b, x) /= 0
+      end if
+   end subroutine precondition
 
    !> Would `most` iterations at the mean rate of the first `k` not be enough? A few iterations say
    !> nothing yet.

@@ -4,8 +4,9 @@ module coulter_algebra_lu
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_null_ptr, c_ptr
    use coulter_algebra_sparse, only: multiply, pattern_type
    use coulter_algebra_umfpack, only: control_refinement_steps, control_scale, control_strategy, &
-      info_numeric_size, info_rcond, n_control, n_info, scale_none, scale_sum, strategy_auto, &
-      strategy_symmetric, system_a, umfpack_di_defaults, umfpack_di_free_numeric, &
+      info_flops, info_lower_entries, info_numeric_size, info_rcond, info_upper_entries, &
+      n_control, n_info, scale_none, scale_sum, strategy_auto, strategy_symmetric, &
+      system_a, umfpack_di_defaults, umfpack_di_free_numeric, &
       umfpack_di_free_symbolic, umfpack_di_numeric, umfpack_di_qsymbolic, umfpack_di_solve, &
       umfpack_di_symbolic
    use coulter_base_kinds, only: long, wp
@@ -24,12 +25,15 @@ module coulter_algebra_lu
       integer(long), public :: factor_memory = 0
       !> Smallest over largest pivot of the last matrix.
       real(wp), public :: pivot_ratio = 0.0_wp
+      !> Operations of the last factorisation over entries of the factors.
+      real(wp), public :: intensity = 0.0_wp
       !> Solves that needed refinement or another factorisation to be accurate.
       integer, public :: n_repairs = 0
    contains
       procedure :: analyse
       procedure :: factorise
       procedure :: solve
+      procedure :: substitute
       procedure :: release
    end type lu_type
 
@@ -100,6 +104,7 @@ contains
       if (has_failed) return
       self%factor_memory = 8*int(info(info_numeric_size), long)
       self%pivot_ratio = info(info_rcond)
+      self%intensity = info(info_flops)/(info(info_lower_entries) + info(info_upper_entries))
    end subroutine factorise
 
    !> Solve A x = b and check the answer; when it is not accurate, repeat with iterative refinement,
@@ -118,17 +123,31 @@ contains
       logical, intent(out) :: has_failed
       real(c_double) :: control(n_control)
 
-      control = self%control
-      call solve_once(self, pattern, values, b, control, x)
+      call self%substitute(pattern, values, b, x)
       has_failed = .not. is_accurate(pattern, values, b, x)
       if (.not. has_failed) return
       self%n_repairs = self%n_repairs + 1
+      control = self%control
       control(control_refinement_steps) = 2.0_c_double
       call solve_once(self, pattern, values, b, control, x)
       has_failed = .not. is_accurate(pattern, values, b, x)
       if (.not. has_failed) return
       call solve_scaled(self, pattern, values, b, x, has_failed)
    end subroutine solve
+
+   !> Forward and back substitution, whatever comes out: huge numbers if nothing does.
+   subroutine substitute(self, pattern, values, b, x)
+      class(lu_type), intent(in) :: self
+      !> Pattern and values of a matrix: those of the factorised one, or of one close to it.
+      type(pattern_type), intent(in) :: pattern
+      real(wp), intent(in) :: values(:)
+      !> Right-hand side, shape (n).
+      real(wp), intent(in) :: b(:)
+      !> Solution, shape (n).
+      real(wp), intent(out) :: x(:)
+
+      call solve_once(self, pattern, values, b, self%control, x)
+   end subroutine substitute
 
    !> Free what UMFPACK holds.
    subroutine release(self)
@@ -140,7 +159,7 @@ contains
       self%symbolic = c_null_ptr
    end subroutine release
 
-   !> Forward and back substitution.
+   !> Forward and back substitution, and refinement as `control` has it.
    subroutine solve_once(self, pattern, values, b, control, x)
       type(lu_type), intent(in) :: self
       type(pattern_type), intent(in) :: pattern

@@ -3,7 +3,7 @@
 !> The tangents of Coulter are symmetric or nearly so, and positive definite in most scenes. Then a
 !> Cholesky factorisation of the symmetric part is several times faster than LU: it solves
 !> symmetric systems at once and makes a few iterations of GMRES do for the others. Whenever it is
-!> not enough, LU takes over. A Cholesky factor also serves for later matrices that hardly differ.
+!> not enough, LU takes over. Factors also serve for later matrices that hardly differ.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_algebra_solver
    use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_null_ptr
@@ -30,11 +30,11 @@ module coulter_algebra_solver
       real(wp) :: pivot_ratio = 0.0_wp
       !> Numeric factorisations since the last analysis.
       integer :: n_factorisations = 0
-      !> Cholesky factor of the matrix at hand, or of a former one.
+      !> Factors of the matrix at hand, or of a former one.
       type(preconditioner_type), private :: near
-      type(lu_type), private :: lu
-      logical, private :: is_lu_analysed = .false., is_lu_factorised = .false.
-      logical, private :: is_symmetric = .false.
+      logical, private :: is_lu_analysed = .false., is_symmetric = .false.
+      !> Factorisations since Cholesky has served.
+      integer, private :: n_without = 0
       !> Does the factor belong to the matrix at hand, or must the next one be factorised anyway?
       logical, private :: is_current = .false., is_worn = .true.
       !> Iterations that cost as much as a factorisation.
@@ -60,8 +60,13 @@ module coulter_algebra_solver
    !> Most iterations of GMRES; a preconditioner that needs more is not worth it.
    integer, parameter :: most_iterations = 30
    !> Operations per entry that a factorisation does in the time of one iteration: it stays in the
-   !> cache, the iteration does not.
+   !> cache, the iteration does not. So many iterations take no longer in any case, Cholesky and LU.
    real(wp), parameter :: operations_per_entry = 16.0_wp
+   integer, parameter :: least_worth = 4, least_worth_of_lu = 8
+   !> Cholesky that has failed so often in a row is tried only every so often.
+   integer, parameter :: most_failures = 12, pause = 8
+   !> Change of the matrix, relative to it, up to which LU factors serve on.
+   real(wp), parameter :: small_change = 0.03_wp
    !> Factors with smaller ratios of pivots are used once: errors of iterations would hide behind
    !> the penalties of narrow bands, and free bodies behind old factors.
    real(wp), parameter :: healthy_ratio = 2.0e-6_wp
@@ -95,42 +100,36 @@ contains
       real(wp), intent(in) :: values(:)
       !> Is the matrix singular or did memory run out? Then `solve` must not be called.
       logical, intent(out) :: has_failed
-      integer(c_int) :: status
-      real(wp) :: skewness
 
-      self%is_lu_factorised = .false.
-      status = 1
-      if (c_associated(self%near%factor)) then
-         status = cholesky_factorise(self%near%factor, values, skewness)
-         self%is_symmetric = skewness <= symmetry_tolerance
-         self%factor_memory = cholesky_bytes(self%near%factor)
-         if (status == 0) self%pivot_ratio = cholesky_pivot_ratio(self%near%factor)
-         if (.not. allocated(self%near%rest)) allocate (self%near%rest)
-         if (.not. self%is_symmetric) then
-            call find_skew_part(self%near%rest, pattern, self%mirror, values)
-         end if
+      has_failed = .true.
+      if (c_associated(self%near%factor) .and. (self%n_without < most_failures &
+                                                .or. modulo(self%n_without, pause) == 0)) then
+         call factorise_cholesky(self, pattern, values, has_failed)
       end if
-      has_failed = .false.
-      if (status /= 0) call factorise_lu(self, pattern, values, has_failed)
+      self%n_without = merge(self%n_without + 1, 0, has_failed)
+      if (has_failed) call factorise_lu(self, pattern, values, has_failed)
       self%n_factorisations = self%n_factorisations + 1
       self%is_current = .true.
-      self%is_worn = status /= 0 .or. self%pivot_ratio < healthy_ratio
    end subroutine factorise
 
    !> Be ready for new values: factorise them, unless the factor at hand serves as preconditioner.
-   subroutine refresh(self, pattern, values, has_failed)
+   subroutine refresh(self, pattern, values, change, has_failed)
       class(solver_type), intent(inout) :: self
       !> The analysed pattern.
       type(pattern_type), intent(in) :: pattern
       !> Values of the matrix, shape (n_entries).
       real(wp), intent(in) :: values(:)
+      !> How much they differ from those before, relative to these, as far as that is known.
+      real(wp), intent(in) :: change
       !> Is the matrix singular or did memory run out? Then `solve` must not be called.
       logical, intent(out) :: has_failed
 
       self%is_current = .false.
       if (allocated(self%near%rest)) deallocate (self%near%rest)
       has_failed = .false.
-      if (self%is_worn) call self%factorise(pattern, values, has_failed)
+      if (self%is_worn .or. (self%near%is_lu .and. change > small_change)) then
+         call self%factorise(pattern, values, has_failed)
+      end if
    end subroutine refresh
 
    !> May the last matrix be solved with once more?
@@ -166,7 +165,7 @@ contains
          call self%factorise(pattern, values, has_failed)
          if (has_failed) return
       end if
-      if (.not. self%is_lu_factorised) then
+      if (.not. self%near%is_lu) then
          if (self%is_symmetric) then
             has_failed = cholesky_solve(self%near%factor, b, x) /= 0
             if (.not. has_failed) has_failed = .not. is_accurate(pattern, values, b, x)
@@ -178,7 +177,7 @@ contains
          call factorise_lu(self, pattern, values, has_failed)
          if (has_failed) return
       end if
-      call self%lu%solve(pattern, values, b, x, has_failed)
+      call self%near%lu%solve(pattern, values, b, x, has_failed)
    end subroutine solve
 
    !> Solve by GMRES with the factor at hand, and see whether that is worn.
@@ -191,7 +190,8 @@ contains
       integer :: n_iterations
 
       n_iterations = most_iterations
-      if (.not. self%is_current) n_iterations = min(n_iterations, 2*self%worth)
+      if (.not. self%is_current) n_iterations = min(n_iterations, &
+                                                    merge(1, 2, self%near%is_lu)*self%worth)
       call solve_gmres(self%near, pattern, values, b, tolerance, x, n_iterations)
       has_failed = n_iterations == 0
       if (.not. self%is_current) self%is_worn = has_failed .or. n_iterations > self%worth
@@ -203,9 +203,9 @@ contains
 
       if (c_associated(self%near%factor)) call cholesky_free(self%near%factor)
       self%near%factor = c_null_ptr
-      call self%lu%release()
+      call self%near%lu%release()
       self%is_lu_analysed = .false.
-      self%is_lu_factorised = .false.
+      self%near%is_lu = .false.
       self%is_worn = .true.
    end subroutine release
 
@@ -224,10 +224,27 @@ contains
          self%near%factor = cholesky_new(pattern%n, pattern%column_start, pattern%row, &
                                         self%mirror)
       end if
-      if (c_associated(self%near%factor)) then
-         self%worth = max(4, nint(cholesky_intensity(self%near%factor)/operations_per_entry))
-      end if
    end subroutine analyse_cholesky
+
+   !> Factorise the symmetric part by Cholesky.
+   subroutine factorise_cholesky(self, pattern, values, has_failed)
+      type(solver_type), intent(inout) :: self
+      type(pattern_type), intent(in) :: pattern
+      real(wp), intent(in) :: values(:)
+      logical, intent(out) :: has_failed
+      real(wp) :: skewness
+
+      has_failed = cholesky_factorise(self%near%factor, values, skewness) /= 0
+      if (has_failed) return
+      self%near%is_lu = .false.
+      self%is_symmetric = skewness <= symmetry_tolerance
+      if (.not. allocated(self%near%rest)) allocate (self%near%rest)
+      if (.not. self%is_symmetric) call find_skew_part(self%near%rest, pattern, self%mirror, values)
+      self%factor_memory = cholesky_bytes(self%near%factor)
+      self%pivot_ratio = cholesky_pivot_ratio(self%near%factor)
+      self%is_worn = self%pivot_ratio < healthy_ratio
+      self%worth = worth_of(cholesky_intensity(self%near%factor), least_worth)
+   end subroutine factorise_cholesky
 
    !> Analyse the pattern for LU.
    subroutine analyse_lu(self, pattern, has_failed)
@@ -235,7 +252,7 @@ contains
       type(pattern_type), intent(in) :: pattern
       logical, intent(out) :: has_failed
 
-      call self%lu%analyse(pattern, self%order, has_failed)
+      call self%near%lu%analyse(pattern, self%order, has_failed)
       self%is_lu_analysed = .not. has_failed
    end subroutine analyse_lu
 
@@ -250,10 +267,25 @@ contains
       self%is_worn = .true.
       if (.not. self%is_lu_analysed) call analyse_lu(self, pattern, has_failed)
       if (has_failed) return
-      call self%lu%factorise(pattern, values, has_failed)
-      self%is_lu_factorised = .not. has_failed
-      self%factor_memory = self%lu%factor_memory
-      self%pivot_ratio = self%lu%pivot_ratio
+      if (allocated(self%near%rest)) deallocate (self%near%rest)
+      self%near%is_lu = .true.
+      associate (lu => self%near%lu)
+         call lu%factorise(pattern, values, has_failed)
+         self%factor_memory = lu%factor_memory
+         self%pivot_ratio = lu%pivot_ratio
+         self%is_worn = has_failed .or. lu%pivot_ratio < healthy_ratio
+         self%worth = worth_of(lu%intensity, least_worth_of_lu)
+      end associate
    end subroutine factorise_lu
+
+   !> Iterations that cost as much as a factorisation.
+   pure function worth_of(intensity, least) result(worth)
+      !> Operations per entry of the factors.
+      real(wp), intent(in) :: intensity
+      integer, intent(in) :: least
+      integer :: worth
+
+      worth = max(least, nint(intensity/operations_per_entry))
+   end function worth_of
 
 end module coulter_algebra_solver

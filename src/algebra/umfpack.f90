@@ -16,8 +16,10 @@ module coulter_algebra_umfpack
    real(c_double), parameter, public :: strategy_auto = 0.0_c_double
    real(c_double), parameter, public :: strategy_symmetric = 3.0_c_double
    real(c_double), parameter, public :: scale_none = 0.0_c_double, scale_sum = 1.0_c_double
-   !> Place of the size of the factors, in units of 8 bytes, in the information array (from 1).
-   integer, parameter, public :: info_numeric_size = 41, info_rcond = 68
+   !> Places in the information array (from 1): size of the factors in units of 8 bytes, operations,
+   !> entries of both factors, smallest over largest pivot.
+   integer, parameter, public :: info_numeric_size = 41, info_flops = 43
+   integer, parameter, public :: info_lower_entries = 44, info_upper_entries = 45, info_rcond = 68
    !> Solve A x = b with A in compressed columns.
    integer(c_int), parameter, public :: system_a = 0
 

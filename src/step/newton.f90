@@ -284,7 +284,8 @@ contains
 
       has_failed = .false.
       call system%watch%start(phase_factorise)
-      if (.not. is_old) call system%solver%refresh(system%pattern, system%values, has_failed)
+      if (.not. is_old) call system%solver%refresh(system%pattern, system%values, &
+                                                           change_of(newton%residuals), has_failed)
       call system%watch%start(phase_solve)
       if (.not. has_failed) call solve_bordered(system, newton%unbalanced, &
                                                 forcing(newton, model%control%tolerance), &
@@ -301,6 +302,18 @@ contains
          newton%failure = explain_singular(system, model)
       end if
    end subroutine solve_tangent
+
+   !> How much the tangent has changed with the last correction, relative to it: if not at all, the
+   !> correction would have left no residual.
+   pure function change_of(residuals) result(change)
+      real(wp), intent(in) :: residuals(:)
+      real(wp) :: change
+
+      change = huge(change)
+      associate (n => size(residuals))
+         if (n > 1) change = residuals(n)/residuals(n - 1)
+      end associate
+   end function change_of
 
    !> Error that a correction may have: in proportion to the residual, so that the convergence stays
    !> quadratic (Eisenstat, S. C. and Walker, H. F. (1996), SIAM J. Sci. Comput. 17, 16-32), and not
