@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import subprocess
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 from coulter_post import Results
+from run import measured
 
 PROGRAM = os.environ.get("COULTER_PROGRAM", "build/release/coulter")
 
@@ -68,7 +68,9 @@ def footing(shear: float, cells: int, per_cell: int = 5) -> Case:
 CASES = [
     wedge(30, 0, 2.0, 0.2, (7, 5)),
     wedge(30, 1, 2.0, 0.2, (7, 5)),
+    wedge(45, 0, 2.0, 0.4, (9.2, 6)),
     wedge(45, 0, 2.0, 0.2, (9, 6)),
+    wedge(45, 0, 2.0, 0.1, (9, 6)),
     wedge(45, 0.5, 2.0, 0.2, (10, 6)),
     wedge(45, 1, 2.0, 0.2, (10, 6)),
     wedge(60, 0, 1.0, 0.1, (10, 6)),
@@ -141,17 +143,15 @@ def row(case: Case, folder: Path) -> str:
     """Run one case: a line of the table."""
     path = folder / (case.name.replace(" ", "_").replace(",", "") + f"_{1 / case.spacing:g}.nml")
     path.write_text(deck(case))
-    done = subprocess.run(
-        [PROGRAM, "--quiet", "--output", folder, path], capture_output=True, text=True, check=False
-    )
-    if done.returncode != 0:
-        return f"| {case.name} | {case.spacing:g} | {done.stderr.strip()} | | | | |"
+    usage, message = measured([PROGRAM, "--quiet", "--output", folder, path], 3600, 1)
+    if usage["code"] != 0:
+        return f"| {case.name} | {case.spacing:g} | {message} | | | | | |"
     history = Results(path.with_suffix(".vtkhdf")).history
     n_iterations = history["n_iterations"]
     return (
         f"| {case.name} | {case.spacing:g} | {case.steps} ({len(n_iterations)})"
         f" | {n_iterations.mean():.1f} ({n_iterations.max()}) | {(history['has_retiled'] > 0).sum()}"
-        f" | {history['penetrations'][:, 3].max() / case.spacing:.4f} | {judge(case, history)} |"
+        f" | {history['penetrations'][:, 3].max() / case.spacing:.4f} | {usage['cpu']:.1f} | {judge(case, history)} |"
     )
 
 
@@ -166,8 +166,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as temporary:
         folder = options.keep or Path(temporary)
         folder.mkdir(parents=True, exist_ok=True)
-        print("| tool | h | steps (parts) | iterations (most) | resets | penetration/h | result |")
-        print("|---|---|---|---|---|---|---|")
+        print("| tool | h | steps (parts) | iterations (most) | resets | penetration/h | time (s) | result |")
+        print("|---|---|---|---|---|---|---|---|")
         with ThreadPoolExecutor(options.jobs) as pool:
             for line in pool.map(lambda case: row(case, folder), cases):
                 print(line, flush=True)
