@@ -19,6 +19,8 @@ module coulter_boundary_held_edge
 
    !> Edges this close to a bilateral boundary at the start belong to it, over the spacing.
    real(wp), parameter :: touching = 1.0e-6_wp
+   !> Ends of a new edge may be this far from the line of an old one that it replaces, over its length.
+   real(wp), parameter :: askew = 0.25_wp
 
 contains
 
@@ -80,6 +82,7 @@ contains
          ends = tiling%position(:, tiling%outer_edge(:2, e))
          call nearest_outer_edge(old_tiling, 0.5_wp*sum(ends, dim=2), old, share)
          if (old_held(old)%boundary == 0) cycle
+         if (.not. runs_along(ends, old_tiling%position(:, old_tiling%outer_edge(:2, old)))) cycle
          held(e) = old_held(old)
          do k = 1, 2
             call nearest_outer_edge(old_tiling, ends(:, k), old, share, &
@@ -90,5 +93,18 @@ contains
          end do
       end do
    end subroutine carry_held_edges
+
+   !> Does an edge run along the line of another one? Where a tool leaves what is held, the first edge
+   !> on its face is near that, too.
+   pure function runs_along(ends, line) result(answer)
+      real(wp), intent(in) :: ends(2, 2), line(2, 2)
+      logical :: answer
+      real(wp) :: normal(2)
+
+      normal = [line(2, 1) - line(2, 2), line(1, 2) - line(1, 1)]
+      normal = normal/norm2(normal)
+      answer = maxval(abs(matmul(normal, ends - spread(line(:, 1), 2, 2)))) &
+         <= askew*norm2(ends(:, 2) - ends(:, 1))
+   end function runs_along
 
 end module coulter_boundary_held_edge

@@ -32,6 +32,9 @@ module coulter_boundary_trimming
    real(wp), parameter :: sagitta = 0.05_wp
    !> Corners of new tiles on chords of arcs are at most this deep, over the spacing.
    real(wp), parameter :: chord_depth = 0.3_wp
+   !> Corners this near to a boundary that holds for good stay on it, over the spacing, unless a face
+   !> meets it at an angle with a smaller sine.
+   real(wp), parameter :: on_line = 0.02_wp, steepest = 0.1_wp
 
 contains
 
@@ -83,11 +86,35 @@ contains
             if (.not. (looks_at(edge_from(outline, c), place%normal) &
                        .or. looks_at(edge_from(outline, outline%previous(c)), place%normal))) cycle
             least = place%gap
-            shift = -place%gap*place%normal
+            shift = shift_onto(place, boundaries, outline%corner(:, c), spacing)
          end do
       end do
       outline%corner(:, c) = outline%corner(:, c) + shift
    end subroutine push_out
+
+   !> Way onto a face: along its normal, or along the boundary that holds the corner for good, as on
+   !> the axis of half a scene.
+   pure function shift_onto(place, boundaries, corner, spacing) result(shift)
+      type(place_type), intent(in) :: place
+      type(boundary_type), intent(in) :: boundaries(:)
+      real(wp), intent(in) :: corner(2), spacing
+      real(wp) :: shift(2)
+      type(place_type) :: held
+      real(wp) :: slope
+      integer :: b, s
+
+      shift = -place%gap*place%normal
+      do b = 1, size(boundaries)
+         if (.not. (boundaries(b)%is_bilateral .and. boundaries(b)%is_active)) cycle
+         do s = 1, size(boundaries(b)%vertices, 2) - 1
+            call find_place(boundaries(b), s, corner, 0.0_wp, held)
+            slope = dot_product(place%normal, held%tangent)
+            if (abs(held%gap) > on_line*spacing .or. abs(slope) < steepest) cycle
+            shift = -place%gap/slope*held%tangent
+            return
+         end do
+      end do
+   end function shift_onto
 
    !> Move outer corners of new tiles that are a little behind faces onto them: those that lie on
    !> chords of arcs, mostly.
