@@ -178,6 +178,7 @@ contains
       contact%is_bilateral = boundary%is_bilateral
       contact%is_fixed = boundary%kind == kind_fixed
       contact%rubs = boundary%has_friction() .and. .not. contact%is_fixed
+      if (looks_at_open_end(boundary, approach%tips, s, ends, approach%spacing)) return
       call cover(overlap, boundary, s, approach, e, ends)
       weight = 2.0_wp*weight*overlap%share
       do k = 1, 2
@@ -189,6 +190,29 @@ contains
          call append_contact(contacts, contact)
       end do
    end subroutine meet
+
+   !> Does an edge beside a sharp corner look more at the next face, which ends openly there?
+   pure function looks_at_open_end(boundary, tips, s, ends, spacing) result(answer)
+      type(boundary_type), intent(in) :: boundary
+      type(tip_type), intent(in) :: tips(:)
+      integer, intent(in) :: s
+      real(wp), intent(in) :: ends(2, 2), spacing
+      logical :: answer
+      real(wp) :: outward(2), looks(2)
+      integer :: i, k
+
+      answer = .false.
+      outward = [ends(2, 2) - ends(2, 1), ends(1, 1) - ends(1, 2)]
+      do i = 1, size(tips)
+         k = findloc(tips(i)%faces, s, dim=1)
+         if (k == 0) cycle
+         if (tips(i)%is_open(k) .or. .not. tips(i)%is_open(3 - k)) cycle
+         if (minval(norm2(ends - spread(boundary%vertices(:, tips(i)%vertex), 2, 2), dim=1)) &
+             > spacing) cycle
+         looks = -matmul(outward, tips(i)%normal(:, [k, 3 - k]))
+         answer = answer .or. looks(1) < looks(2)
+      end do
+   end function looks_at_open_end
 
    !> What a face covers of an edge.
    pure subroutine cover(overlap, boundary, s, approach, e, ends)
@@ -219,6 +243,7 @@ contains
             .and. any(tips%faces(1) == s .or. tips%faces(2) == s)
          contact%give = overlap%give(k)
          contact%hold = overlap%hold(k)
+         contact%leans = overlap%leans(k)
          if (overlap%is_partial .or. .not. contact%is_settled) return
          contact%give = depth_beside(boundary, tips, s, ends(:, 1), round_slack*approach%spacing)
          contact%hold = 0.0_wp

@@ -37,6 +37,9 @@ module coulter_boundary_friction
       real(wp) :: vector(2) = 0.0_wp, by_place(2, 2) = 0.0_wp, by_stress(2, 2) = 0.0_wp
       !> Derivatives of the normal traction by the place and by S.
       real(wp) :: normal_by_place(2) = 0.0_wp, normal_by_stress(2) = 0.0_wp
+      !> Derivatives of vector and normal traction by the place of the other end of its edge, where
+      !> that says what the station may press.
+      real(wp) :: by_other(2, 2) = 0.0_wp, normal_by_other(2) = 0.0_wp
       !> Sign of the traction while it slips, 0 while it sticks or is smooth.
       integer :: slip = 0
       !> Does it stick?
@@ -168,6 +171,8 @@ contains
          answer%by_place = answer%by_place + outer(t, by_place) &
             - answer%traction(2)*kappa*outer(n, t)
          answer%by_stress = answer%by_stress + outer(t, by_stress)
+         if (.not. answer%sticks) answer%by_other = answer%by_other &
+            + real(answer%slip, wp)*slope*outer(t, answer%normal_by_other)
       end associate
    end subroutine rub
 

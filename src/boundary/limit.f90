@@ -7,7 +7,7 @@ module coulter_boundary_limit
    use coulter_boundary_friction, only: friction_type, outer, rub_type, shear_capacity
    implicit none(type, external)
    private
-   public :: limit_type, limit_press, limit_rub
+   public :: limit_type, limit_press, limit_rub, lean_press
 
    !> Limits of the traction of a station; constant in a step, so that they add nothing to the
    !> tangent.
@@ -43,6 +43,37 @@ contains
       answer%by_place = outer(place%normal, answer%normal_by_place)
       answer%by_stress = 0.0_wp
    end subroutine limit_press
+
+   !> Limit the normal traction, after `press`, to that at the other end of the edge, S being the same
+   !> in all of the tile: what is at the corner of a tool that cuts in parts, and is pressed as what is
+   !> beside it.
+   pure subroutine lean_press(answer, place, other_gap, material, penalty, hold)
+      !> Answer with normal part only.
+      type(rub_type), intent(inout) :: answer
+      !> Place of the station relative to a straight face.
+      type(place_type), intent(in) :: place
+      !> Gap at the other end, length units.
+      real(wp), intent(in) :: other_gap
+      !> Traction S of the material on the face, stress units.
+      real(wp), intent(in) :: material(2)
+      !> Penalty stiffness, stress per length.
+      real(wp), intent(in) :: penalty
+      !> What the station may press more, over that.
+      real(wp), intent(in) :: hold
+      real(wp) :: most, factor
+
+      most = dot_product(place%normal, material) + penalty*other_gap
+      factor = merge(1.0_wp + hold, 0.0_wp, most < 0.0_wp)
+      if (answer%traction(1) >= factor*most) return
+      answer%traction(1) = factor*most
+      answer%vector = answer%traction(1)*place%normal
+      answer%normal_by_place = 0.0_wp
+      answer%by_place = 0.0_wp
+      answer%normal_by_stress = factor*place%normal
+      answer%by_stress = outer(place%normal, answer%normal_by_stress)
+      answer%normal_by_other = penalty*answer%normal_by_stress
+      answer%by_other = outer(place%normal, answer%normal_by_other)
+   end subroutine lean_press
 
    !> Limit the shear, after `rub`, to that of the material within what the face can carry.
    pure subroutine limit_rub(answer, place, limit, friction)

@@ -22,6 +22,8 @@ module coulter_boundary_overlap
       real(wp) :: share(2) = 0.5_wp
       !> How far both ends may get behind the face before it holds them, length units.
       real(wp) :: give(2) = 0.0_wp
+      !> Do they press as the other end of the edge does, near a corner that cuts in?
+      logical :: leans(2) = .false.
       !> What it adds until then at most to the pressure of the material, over that.
       real(wp) :: hold(2) = huge(1.0_wp)
    end type overlap_type
@@ -53,25 +55,31 @@ contains
 
       from = 0.0_wp
       to = 1.0_wp
-      ! where two corners of a cell are held, its nodes are, and with them the next corner
-      reach = (1.0_wp + end_reach)*spacing - min(spacing, norm2(ends(:, 2) - ends(:, 1)))
       do i = 1, size(tips)
          k = findloc(tips(i)%faces, segment, dim=1)
          if (k == 0) cycle
          if (.not. tips(i)%is_open(k)) cycle
          place = ends - spread(tool%vertices(:, tips(i)%vertex), 2, 2)
          distance = matmul(tips(i)%inward(:, k), place)
-         ! where two corners of a cell are held, so are its nodes, and with them the next corner
-         associate (cell => spacing/sine_of(tips(i)))
-            reach = (1.0_wp + end_reach)*cell - min(cell, norm2(ends(:, 2) - ends(:, 1)))
-         end associate
-         ! what the tip has left behind on the next face is not held, wherever its foot is
          nearer = matmul(tips(i)%normal(:, k) - tips(i)%normal(:, 3 - k), place)
-         call ease(overlap, merge(distance/reach, 0.0_wp, nearer >= 0.0_wp), reach)
+         if (tips(i)%cuts) then
+            ! what was let through is where it met the face
+            distance = distance - tips(i)%slide(k)*min(0.0_wp, matmul(tips(i)%normal(:, k), place))
+            call lean(overlap, distance/(end_reach*spacing))
+            distance = matmul(tips(i)%inward(:, k), place)
+         else
+            ! where two corners of a cell are held, so are its nodes, and with them the next corner
+            associate (cell => spacing/sine_of(tips(i)))
+               reach = (1.0_wp + end_reach)*cell - min(cell, norm2(ends(:, 2) - ends(:, 1)))
+            end associate
+            ! what the tip has left behind on the next face is not held, wherever its foot is
+            call ease(overlap, merge(distance/reach, 0.0_wp, nearer >= 0.0_wp), reach)
+         end if
          call clip(from, to, distance)
          call clip(from, to, nearer)
       end do
-      overlap%is_partial = any(overlap%give > 0.0_wp) .or. from > 0.0_wp .or. to < 1.0_wp
+      overlap%is_partial = any(overlap%give > 0.0_wp .or. overlap%leans) &
+         .or. from > 0.0_wp .or. to < 1.0_wp
       overlap%share = max(0.0_wp, to - from)*[1.0_wp - 0.5_wp*(from + to), 0.5_wp*(from + to)]
    end subroutine find_overlap
 
@@ -98,6 +106,20 @@ contains
          overlap%hold = min(overlap%hold, most_held*max(0.0_wp, distance)**2)
       end where
    end subroutine ease
+
+   !> Let the end that is nearer to a corner of the tool that cuts in press as the other one does:
+   !> what is there parts.
+   pure subroutine lean(overlap, distance)
+      type(overlap_type), intent(inout) :: overlap
+      !> Distances from the corner, over that from which on corners are held.
+      real(wp), intent(in) :: distance(2)
+      integer :: k
+
+      k = minloc(distance, dim=1)
+      if (distance(k) >= 1.0_wp) return
+      overlap%leans(k) = .true.
+      overlap%hold(k) = most_held*max(0.0_wp, distance(k))**2
+   end subroutine lean
 
    !> Is a position that is deep behind a face nearer to the face beyond one of its sharp corners,
    !> or before that?

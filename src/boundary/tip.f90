@@ -5,7 +5,7 @@ module coulter_boundary_tip
    use coulter_base_polygon, only: turn, winding_number
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
-   use coulter_boundary_open_end, only: ends_openly
+   use coulter_boundary_open_end, only: ends_openly, look_at_way
    use coulter_points_tiling, only: nearest_outer_edge, tiling_type
    implicit none(type, external)
    private
@@ -21,6 +21,10 @@ module coulter_boundary_tip
       real(wp) :: normal(2, 2) = 0.0_wp, inward(2, 2) = 0.0_wp
       !> Do these faces end openly here?
       logical :: is_open(2) = .false.
+      !> Does it cut in, so that edges near it press as their other ends do?
+      logical :: cuts = .false.
+      !> Way of the tool along these faces, away from the corner, over that against them.
+      real(wp) :: slide(2) = 0.0_wp
       !> Outer edge that is nearest, and where on it the tip is: 0 at its first end, 1 at its last.
       integer :: edge = 0
       real(wp) :: share = 0.0_wp
@@ -86,6 +90,7 @@ contains
             tip%is_open(k) = ends_openly(tool, tip%faces(k), v, tip%normal(:, [k, 3 - k]), &
                                          tip%inward(:, [k, 3 - k]), tiling, spacing)
          end do
+         call look_at_way(tool, tip%normal, tip%inward, tip%cuts, tip%slide)
          tips = [tips, tip]
       end do
    end subroutine find_tips
@@ -191,7 +196,8 @@ contains
       associate (first => tiling%position(:, tiling%outer_edge(1, :)), &
                  last => tiling%position(:, tiling%outer_edge(2, :)))
          depth = slack
-         if (winding_number(first, last, corner) > 0) depth = huge(depth)
+         if (winding_number(first, last, corner) > 0 .or. is_on_outline(tiling, corner, slack)) &
+            depth = huge(depth)
          do e = 1, size(answer)
             along = (last(:, e) - first(:, e))/norm2(last(:, e) - first(:, e))
             answer(e) = along(2)*normal(1) - along(1)*normal(2) < least &
@@ -199,5 +205,21 @@ contains
          end do
       end associate
    end function may_meet
+
+   !> Is a position on an outer edge, such as that on the axis of half a scene?
+   pure function is_on_outline(tiling, position, slack) result(answer)
+      type(tiling_type), intent(in) :: tiling
+      real(wp), intent(in) :: position(2), slack
+      logical :: answer
+      real(wp) :: ends(2, 2), share
+      integer :: edge
+
+      call nearest_outer_edge(tiling, position, edge, share)
+      answer = edge > 0
+      if (.not. answer) return
+      ends = tiling%position(:, tiling%outer_edge(:2, edge))
+      share = min(max(share, 0.0_wp), 1.0_wp)
+      answer = norm2((1.0_wp - share)*ends(:, 1) + share*ends(:, 2) - position) < slack
+   end function is_on_outline
 
 end module coulter_boundary_tip

@@ -13,7 +13,7 @@ module coulter_step_contact_forces
    use coulter_boundary_friction, only: cut_off, friction_of, friction_type, press, rub, &
       rub_type
    use coulter_boundary_ibm, only: band_stiffness_factor
-   use coulter_boundary_limit, only: limit_press, limit_rub, limit_type
+   use coulter_boundary_limit, only: lean_press, limit_press, limit_rub, limit_type
    use coulter_boundary_motion, only: turn_matrix
    use coulter_boundary_tip, only: edge_place_type, place_on_edge
    use coulter_model, only: model_type, point_moduli
@@ -166,9 +166,8 @@ contains
       angle = system%border%motion(contact%boundary)%rotation
       if (abs(angle) > 0.0_wp) call turn_material(-angle, material, by_vertices)
       call press(answer, place%place_type, material, penalty(1))
-      if (contact%give > 0.0_wp) call limit_press(answer, place%place_type, &
-                                                  limit_of(system, model, contact, &
-                                                           place%place_type), penalty(1))
+      call limit_traction(system, model, contact, place%place_type, moved, material, penalty(1), &
+                          answer)
       overlap = answer%traction(1)/penalty(1)
       if (contact%opening > untouched) then
          call hold_back(system, model%boundaries(contact%boundary), contact, place%place_type, &
@@ -192,6 +191,24 @@ contains
       end if
       if (abs(angle) > 0.0_wp) call turn_station(angle, contact, force, stiffness)
    end subroutine add_contact
+
+   !> Limit the normal traction near an open end of the face.
+   pure subroutine limit_traction(system, model, contact, place, moved, material, penalty, answer)
+      type(system_type), intent(in) :: system
+      type(model_type), intent(in) :: model
+      type(contact_type), intent(in) :: contact
+      type(place_type), intent(in) :: place
+      real(wp), intent(in) :: moved(2, 2), material(2), penalty
+      type(rub_type), intent(inout) :: answer
+      type(place_type) :: other
+
+      if (contact%leans) then
+         other = place_on(contact%face, contact%other_offset, moved(:, 2))
+         call lean_press(answer, place, other%gap, material, penalty, contact%hold)
+      else if (contact%give > 0.0_wp) then
+         call limit_press(answer, place, limit_of(system, model, contact, place), penalty)
+      end if
+   end subroutine limit_traction
 
    !> Tension of a station that has touched. A prediction opens nothing that has not opened before.
    pure subroutine hold_back(system, boundary, contact, place, answer, overlap)
@@ -300,6 +317,11 @@ contains
       associate (v => contact%vertex, w => contact%weight)
          force(:, v) = force(:, v) + w*answer%vector
          stiffness(:, v, :, v) = stiffness(:, v, :, v) + w*answer%by_place
+         if (contact%leans) then
+            associate (o => contact%other_vertex)
+               stiffness(:, v, :, o) = stiffness(:, v, :, o) + w*answer%by_other
+            end associate
+         end if
          do b = 1, size(by_vertices, 3)
             stiffness(:, v, :, b) = stiffness(:, v, :, b) &
                + w*matmul(answer%by_stress, by_vertices(:, :, b))

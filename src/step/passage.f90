@@ -62,7 +62,7 @@ contains
 
       associate (contact => system%contacts%item(:system%contacts%n))
          answer = any(contact%corner == corner .and. contact%boundary == boundary &
-                      .and. contact%give > 0.0_wp)
+                      .and. (contact%give > 0.0_wp .or. contact%leans))
       end associate
    end function gives_way
 
@@ -79,7 +79,8 @@ contains
       slack = near_end*model%grid%smallest_spacing()
       do k = 1, system%contacts%n
          associate (contact => system%contacts%item(k))
-            if (.not. (contact%is_settled .and. contact%is_acting) .or. contact%give > 0.0_wp) cycle
+            if (.not. (contact%is_settled .and. contact%is_acting)) cycle
+            if (contact%give > 0.0_wp .or. contact%leans) cycle
             moved = motion_of(system, contact)
             place = place_on(contact%face, contact%offset, moved(:, 1))
             if (place%distance >= -slack .and. place%distance <= contact%face%length + slack) cycle

@@ -62,8 +62,8 @@ contains
       gives = .false.
       do k = 1, contacts%n
          associate (contact => contacts%item(k))
-            if (contact%boundary /= boundary .or. .not. contact%give > 0.0_wp) cycle
-            gives(contact%corner) = .true.
+            if (contact%boundary /= boundary) cycle
+            if (contact%give > 0.0_wp .or. contact%leans) gives(contact%corner) = .true.
          end associate
       end do
       held = pack([(k, k=1, n_corners)], .not. gives)
