@@ -37,8 +37,8 @@ module coulter_boundary_contact
       !> Near open ends of the face: how far the corner may get behind it before it is held, length
       !> units, and what the face adds to the pressure of the material until then, over that.
       real(wp) :: give = 0.0_wp, hold = 0.0_wp
-      !> Beside corners of tools that cut in: does it press at most as the other end of the edge does,
-      !> but for `hold`?
+      !> Beside corners of tools that cut in: does it press at most as the other end of the edge
+      !> does, but for `hold`?
       logical :: leans = .false.
       !> The face at the end of the step.
       type(face_type) :: face

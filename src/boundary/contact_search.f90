@@ -191,7 +191,7 @@ contains
       end do
    end subroutine meet
 
-   !> Does an edge beside a sharp corner look more at the next face, which ends openly there?
+   !> Does an edge beside a corner that cuts in look more at the next face, which ends openly there?
    pure function looks_at_open_end(boundary, tips, s, ends, spacing) result(answer)
       type(boundary_type), intent(in) :: boundary
       type(tip_type), intent(in) :: tips(:)
@@ -206,7 +206,7 @@ contains
       do i = 1, size(tips)
          k = findloc(tips(i)%faces, s, dim=1)
          if (k == 0) cycle
-         if (tips(i)%is_open(k) .or. .not. tips(i)%is_open(3 - k)) cycle
+         if (.not. tips(i)%cuts .or. tips(i)%is_open(k) .or. .not. tips(i)%is_open(3 - k)) cycle
          if (minval(norm2(ends - spread(boundary%vertices(:, tips(i)%vertex), 2, 2), dim=1)) &
              > spacing) cycle
          looks = -matmul(outward, tips(i)%normal(:, [k, 3 - k]))

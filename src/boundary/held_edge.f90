@@ -19,7 +19,8 @@ module coulter_boundary_held_edge
 
    !> Edges this close to a bilateral boundary at the start belong to it, over the spacing.
    real(wp), parameter :: touching = 1.0e-6_wp
-   !> Ends of a new edge may be this far from the line of an old one that it replaces, over its length.
+   !> Ends of a new edge may be this far from the line of an old one that it replaces, over its
+   !> length.
    real(wp), parameter :: askew = 0.25_wp
 
 contains
@@ -94,8 +95,8 @@ contains
       end do
    end subroutine carry_held_edges
 
-   !> Does an edge run along the line of another one? Where a tool leaves what is held, the first edge
-   !> on its face is near that, too.
+   !> Does an edge run along the line of another one? Where a tool leaves what is held, the first
+   !> edge on its face is near that, too.
    pure function runs_along(ends, line) result(answer)
       real(wp), intent(in) :: ends(2, 2), line(2, 2)
       logical :: answer

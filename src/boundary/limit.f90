@@ -44,9 +44,9 @@ contains
       answer%by_stress = 0.0_wp
    end subroutine limit_press
 
-   !> Limit the normal traction, after `press`, to that at the other end of the edge, S being the same
-   !> in all of the tile: what is at the corner of a tool that cuts in parts, and is pressed as what is
-   !> beside it.
+   !> Limit the normal traction, after `press`, to that at the other end of the edge, S being the
+   !> same in all of the tile: what is at the corner of a tool that cuts in parts, and is pressed as
+   !> what is beside it.
    pure subroutine lean_press(answer, place, other_gap, material, penalty, hold)
       !> Answer with normal part only.
       type(rub_type), intent(inout) :: answer

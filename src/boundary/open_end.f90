@@ -20,8 +20,8 @@ module coulter_boundary_open_end
    !> less than the second share of that, or it cuts in with both; and what is ahead comes along
    !> neither face towards the corner by more than the third share of the way.
    real(wp), parameter :: least_advance = 0.1_wp, most_shared = 0.45_wp, most_along = 0.1_wp
-   !> A corner cuts in if the tool advances against either face by this share of what it does against
-   !> the other one or more, and its faces are longer than this, over the spacing.
+   !> A corner cuts in if the tool advances against either face by this share of what it does
+   !> against the other one or more, and its faces are longer than this, over the spacing.
    real(wp), parameter :: least_cut = 0.8_wp, shortest_cut = 4.0_wp
    !> A body rests on a face if corners are this near to it, over the spacing, at this distance from
    !> the end, over the spacing, or, under short faces, this share of their length.
@@ -47,7 +47,7 @@ contains
       real(wp), intent(in) :: spacing
       logical :: answer
       real(wp) :: length, place(2), along, gap
-      logical :: rests, goes_on
+      logical :: rests, goes_on, is_held
       integer :: e, n_held
 
       length = norm2(tool%vertices(:, segment + 1) - tool%vertices(:, segment))/spacing
@@ -63,10 +63,9 @@ contains
          place = (tiling%position(:, tiling%outer_edge(1, e)) - tool%vertices(:, vertex))/spacing
          along = dot_product(place, inward(:, 1))
          gap = dot_product(place, normal(:, 1))
-         rests = rests .or. (abs(gap) < near .and. along < length - end_reach &
-                             .and. along > min(covered, covered_share*length))
-         if (abs(gap) < near .and. along < length - end_reach .and. along > end_reach) &
-            n_held = n_held + 1
+         is_held = abs(gap) < near .and. along < length - end_reach
+         rests = rests .or. (is_held .and. along > min(covered, covered_share*length))
+         if (is_held .and. along > end_reach) n_held = n_held + 1
          goes_on = goes_on .or. (norm2(place) > beyond(1) .and. norm2(place) < beyond(2) &
                                  .and. min(along, gap) < -beside*norm2(place))
       end do
@@ -74,8 +73,8 @@ contains
       if (cuts_in(tool, normal)) answer = answer .and. n_held > 1 .and. length >= shortest_cut
    end function ends_openly
 
-   !> Does the tool go against a face, hardly or as much against the next one, and part what is before
-   !> it?
+   !> Does the tool go against a face, hardly or as much against the next one, and part what is
+   !> before it?
    pure function parts_here(tool, normal, inward) result(answer)
       type(boundary_type), intent(in) :: tool
       real(wp), intent(in) :: normal(2, 2), inward(2, 2)

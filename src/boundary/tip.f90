@@ -190,14 +190,16 @@ contains
       real(wp), intent(in) :: corner(2), normal(2), slack
       logical :: answer(size(tiling%outer_edge, 2))
       real(wp) :: along(2), least, depth
+      logical :: is_inside
       integer :: e
 
       least = max(facing, -0.5_wp*slender*norm2(normal))*norm2(normal)
       associate (first => tiling%position(:, tiling%outer_edge(1, :)), &
                  last => tiling%position(:, tiling%outer_edge(2, :)))
          depth = slack
-         if (winding_number(first, last, corner) > 0 .or. is_on_outline(tiling, corner, slack)) &
-            depth = huge(depth)
+         is_inside = winding_number(first, last, corner) > 0
+         if (.not. is_inside) is_inside = is_on_outline(tiling, corner, slack)
+         if (is_inside) depth = huge(depth)
          do e = 1, size(answer)
             along = (last(:, e) - first(:, e))/norm2(last(:, e) - first(:, e))
             answer(e) = along(2)*normal(1) - along(1)*normal(2) < least &

@@ -32,8 +32,8 @@ module coulter_boundary_trimming
    real(wp), parameter :: sagitta = 0.05_wp
    !> Corners of new tiles on chords of arcs are at most this deep, over the spacing.
    real(wp), parameter :: chord_depth = 0.3_wp
-   !> Corners this near to a boundary that holds for good stay on it, over the spacing, unless a face
-   !> meets it at an angle with a smaller sine.
+   !> Corners this near to a boundary that holds for good stay on it, over the spacing, unless a
+   !> face meets it at an angle with a smaller sine.
    real(wp), parameter :: on_line = 0.02_wp, steepest = 0.1_wp
 
 contains
