@@ -88,7 +88,8 @@ contains
          .and. maxval(matmul(way, inward)) < most_along*norm2(way)
    end function parts_here
 
-   !> Does the tool cut in with a corner, so that both of its faces press what they part?
+   !> Does the tool cut in with a corner, so that both of its faces press what they part? What sticks
+   !> to rough faces goes along with them at the corner, too.
    pure function cuts_in(tool, normal) result(answer)
       type(boundary_type), intent(in) :: tool
       real(wp), intent(in) :: normal(2, 2)
@@ -96,7 +97,8 @@ contains
       real(wp) :: advance(2)
 
       advance = matmul(way_of(tool), normal)
-      answer = minval(advance) > 0.0_wp .and. minval(advance) >= least_cut*maxval(advance)
+      answer = .not. tool%is_rough .and. minval(advance) > 0.0_wp &
+         .and. minval(advance) >= least_cut*maxval(advance)
    end function cuts_in
 
    !> How a corner of a tool goes on its way.
