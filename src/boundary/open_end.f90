@@ -88,8 +88,8 @@ contains
          .and. maxval(matmul(way, inward)) < most_along*norm2(way)
    end function parts_here
 
-   !> Does the tool cut in with a corner, so that both of its faces press what they part? What sticks
-   !> to rough faces goes along with them at the corner, too.
+   !> Does the tool cut in with a corner, so that both of its faces press what they part? What
+   !> sticks to rough faces goes along with them at the corner, too.
    pure function cuts_in(tool, normal) result(answer)
       type(boundary_type), intent(in) :: tool
       real(wp), intent(in) :: normal(2, 2)
