@@ -25,8 +25,8 @@ contains
       !> Why it cannot be set up; unallocated when it is.
       character(len=:), allocatable, intent(out) :: failure
 
-      call set_up(model, system, failure)
-      if (.not. allocated(failure)) call meet_boundaries(model, system)
+      system%is_set_up = .false.
+      call prepare_step(model, system, failure)
    end subroutine prepare_system
 
    !> The same, but what depends on the state of the scene alone is kept while that has not changed.
