@@ -6,7 +6,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_points_slopes
    use coulter_base_kinds, only: wp
-   use coulter_points_tiling, only: tiling_type
+   use coulter_points_tiling, only: list_tiles, tiling_type
    implicit none(type, external)
    private
    public :: field_type, fit_slopes
@@ -56,7 +56,8 @@ contains
       integer, allocatable :: start(:), around(:)
       integer :: f, k, p
 
-      call list_tiles_around(tiling, start, around)
+      allocate (start(tiling%n_corners + 1), around(size(tiling%corner)))
+      call list_tiles(tiling%corner, start, around)
       do f = 1, size(fields)
          allocate (fields(f)%slope(2, size(fields(f)%value, 1), size(body)), source=0.0_wp)
       end do
@@ -190,32 +191,5 @@ contains
       allocate (stencil%tile(2*n), stencil%way(2, 2*n), stencil%share(2, 2*n))
       if (allocated(kept)) stencil%tile(:size(kept)) = kept
    end subroutine make_room
-
-   !> Tiles that meet at every corner, in ragged rows.
-   pure subroutine list_tiles_around(tiling, start, around)
-      type(tiling_type), intent(in) :: tiling
-      integer, allocatable, intent(out) :: start(:), around(:)
-      integer :: c, p, v
-
-      allocate (start(tiling%n_corners + 1), source=0)
-      allocate (around(size(tiling%corner)))
-      do p = 1, size(tiling%corner, 2)
-         do v = 1, 4
-            start(tiling%corner(v, p)) = start(tiling%corner(v, p)) + 1
-         end do
-      end do
-      start(1) = start(1) + 1
-      do c = 2, tiling%n_corners + 1
-         start(c) = start(c) + start(c - 1)
-      end do
-      ! rows are filled from their end, so that their starts move to their places
-      do p = 1, size(tiling%corner, 2)
-         do v = 1, 4
-            c = tiling%corner(v, p)
-            start(c) = start(c) - 1
-            around(start(c)) = p
-         end do
-      end do
-   end subroutine list_tiles_around
 
 end module coulter_points_slopes

@@ -7,13 +7,14 @@
 module coulter_points_tiling
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: area_and_centroid
+   use coulter_base_sorting, only: sort_by_number
    use coulter_points_tile_quality, only: aspect_ratio, corner_jacobians, relative_jacobian
    use coulter_points_welding, only: weld
    implicit none(type, external)
    private
    public :: tiling_type, new_tiling, corner_gradients, corner_weights, tile_centroid, &
       current_hourglass, remember_pulls, tile_outlines, measure_quality, nearest_outer_edge, &
-      values_at
+      values_at, list_tiles
 
    !> Tiles and their corners; tile p is the domain of point p.
    type :: tiling_type
@@ -342,5 +343,17 @@ contains
          end do
       end do
    end subroutine list_leaving_edges
+
+   !> Tiles around every corner, in ragged rows; one that has a corner twice is there twice.
+   pure subroutine list_tiles(corner, start, tile)
+      !> Corners of every tile, shape (4, n_tiles).
+      integer, intent(in) :: corner(:, :)
+      !> First entry of every corner, shape (n_corners + 1), and the tiles, shape (4 n_tiles).
+      integer, intent(out) :: start(:), tile(:)
+      integer :: place(size(corner))
+
+      call sort_by_number(reshape(corner, [size(corner)]), start, place)
+      tile = (place + 3)/4
+   end subroutine list_tiles
 
 end module coulter_points_tiling

@@ -5,7 +5,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_tile_stars
    use coulter_base_kinds, only: long, wp
-   use coulter_base_sorting, only: sort_by_number
+   use coulter_points_tiling, only: list_tiles
    implicit none(type, external)
    private
    public :: tile_stars_type, build_stars, clear_stars, add_matrix, add_moduli, stars_memory
@@ -112,16 +112,6 @@ contains
       if (answer) answer = size(stars%tile_corner) == size(corner)
       if (answer) answer = all(stars%tile_corner == corner)
    end function are_known
-
-   !> Tiles around every corner, in ragged rows; one that has a corner twice is there twice.
-   pure subroutine list_tiles(corner, start, tile)
-      integer, intent(in) :: corner(:, :)
-      integer, intent(out) :: start(:), tile(:)
-      integer :: place(size(corner))
-
-      call sort_by_number(reshape(corner, [size(corner)]), start, place)
-      tile = (place + 3)/4
-   end subroutine list_tiles
 
    !> Begin a new sum over the tiles.
    pure subroutine clear_stars(stars)
