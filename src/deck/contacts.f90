@@ -1,7 +1,7 @@
 !> Reads contacts between bodies.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_deck_contacts
-   use coulter_boundary_body_contact, only: body_contact_type
+   use coulter_contact_body_contact, only: body_contact_type
    use coulter_deck_document, only: blame, deck_type, find_groups
    use coulter_deck_references, only: get_reference
    use coulter_deck_values, only: get_value, is_given

@@ -4,9 +4,9 @@ module coulter_model
    use coulter_base_kinds, only: wp
    use coulter_base_table, only: table_type
    use coulter_boundary, only: boundary_type
-   use coulter_boundary_body_contact, only: body_contact_type
    use coulter_boundary_edge_load, only: edge_load_type
    use coulter_boundary_motion, only: motion_type
+   use coulter_contact_body_contact, only: body_contact_type
    use coulter_grid, only: grid_type
    use coulter_law, only: law_item_type
    use coulter_model_body_force, only: body_force_type

@@ -27,7 +27,7 @@ module coulter_points_body
       !> Number of its law in the model.
       integer :: law = 0
       !> Number of the displacement field that carries it: bodies of one field are bonded where they
-      !> touch, those of several press and rub (`coulter_boundary_body_contact`).
+      !> touch, those of several press and rub (`coulter_contact_body_contact`).
       integer :: field = 1
       !> Mass per unit volume of the undeformed body, >= 0.
       real(wp) :: density = 0.0_wp

@@ -1,6 +1,8 @@
 !> End of a successful step: points and boundaries move, the trial state becomes the converged one.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_accept
+   use coulter_assembly_hourglass, only: remember_hourglass
+   use coulter_assembly_patches, only: displacement_gradient, unit_gradient
    use coulter_base_kinds, only: wp
    use coulter_base_tensor, only: finger_of_log_strain_plane, log_strain_plane
    use coulter_base_text, only: to_text
@@ -10,13 +12,11 @@ module coulter_step_accept
    use coulter_model, only: model_type, point_moduli
    use coulter_points, only: point_state_type
    use coulter_points_tiling, only: tile_centroid, values_at
-   use coulter_step_bonds, only: remember_bonds
-   use coulter_step_contact_state, only: whole_motion
-   use coulter_step_hourglass, only: remember_hourglass
-   use coulter_step_patch_assembly, only: displacement_gradient, unit_gradient
-   use coulter_step_patches, only: functions_in_patch, most_patch_nodes, patch_functions_type
-   use coulter_step_point_kernel, only: deform_point
-   use coulter_step_system, only: system_type
+   use coulter_setup_bonds, only: remember_bonds
+   use coulter_system, only: system_type
+   use coulter_system_contact_state, only: whole_motion
+   use coulter_system_patches, only: functions_in_patch, most_patch_nodes, patch_functions_type
+   use coulter_system_point_kernel, only: deform_point
    implicit none(type, external)
    private
    public :: accept_step

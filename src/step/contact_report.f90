@@ -2,14 +2,14 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_contact_report
    use coulter_base_kinds, only: wp
-   use coulter_boundary_contact, only: contact_type
    use coulter_boundary_face, only: place_type
    use coulter_boundary_motion, only: moved_by, turn_matrix
+   use coulter_contact, only: contact_type
    use coulter_model, only: model_type
    use coulter_model_contact_report, only: contact_report_type, station_report_type
    use coulter_model_observer, only: step_report_type
-   use coulter_step_contact_state, only: locate, motion_of
-   use coulter_step_system, only: system_type
+   use coulter_system, only: system_type
+   use coulter_system_contact_state, only: locate, motion_of
    implicit none(type, external)
    private
    public :: report_contacts, report_surfaces

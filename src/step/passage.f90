@@ -7,8 +7,8 @@ module coulter_step_passage
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
    use coulter_boundary_motion, only: motion_type, moved_by
    use coulter_model, only: model_type
-   use coulter_step_contact_state, only: motion_of, whole_motion
-   use coulter_step_system, only: system_type
+   use coulter_system, only: system_type
+   use coulter_system_contact_state, only: motion_of, whole_motion
    implicit none(type, external)
    private
    public :: check_passage

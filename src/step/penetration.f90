@@ -5,9 +5,9 @@ module coulter_step_penetration
    use coulter_base_polygon, only: area_and_centroid, contains_point, distance_to_segment, &
       winding_number
    use coulter_boundary, only: boundary_type
-   use coulter_boundary_contact, only: contacts_type
    use coulter_boundary_face, only: face_type, flatten, new_face, place_on, place_type
-   use coulter_boundary_tip, only: is_closed, look_at_corner
+   use coulter_contact, only: contacts_type
+   use coulter_contact_tip, only: is_closed, look_at_corner
    use coulter_model, only: model_type
    use coulter_model_observer, only: step_report_type
    use coulter_points_tiling, only: tiling_type

@@ -5,8 +5,8 @@ module coulter_step_phases
    use coulter_boundary_held_edge, only: find_held_edges, held_edge_type
    use coulter_model, only: model_type
    use coulter_model_phases, only: activate
-   use coulter_step_guess, only: forget_motion
-   use coulter_step_system, only: system_type
+   use coulter_newton_guess, only: forget_motion
+   use coulter_system, only: system_type
    implicit none(type, external)
    private
    public :: begin_phase

@@ -2,19 +2,19 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_report
    use coulter_algebra_condition, only: scaled_condition
+   use coulter_assembly_loose_parts, only: name_loose_parts, name_toppling
    use coulter_base_kinds, only: long, wp
    use coulter_base_text, only: to_text
    use coulter_model, only: model_type
    use coulter_model_observer, only: add_warning, scene_report_type, step_report_type
+   use coulter_newton, only: newton_type
    use coulter_points, only: points_memory
    use coulter_points_tiling, only: measure_quality
+   use coulter_retile_meetings, only: report_meetings
    use coulter_step_contact_report, only: report_contacts, report_surfaces
-   use coulter_step_dofs, only: reduce
-   use coulter_step_loose_parts, only: name_loose_parts, name_toppling
-   use coulter_step_meetings, only: report_meetings
-   use coulter_step_newton, only: newton_type
    use coulter_step_penetration, only: measure_penetrations
-   use coulter_step_system, only: system_memory, system_type
+   use coulter_system, only: system_memory, system_type
+   use coulter_system_dofs, only: reduce
    implicit none(type, external)
    private
    public :: report_scene, report_step

@@ -1,6 +1,7 @@
 !> The time loop: load steps, halved where they fail.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_run
+   use coulter_assembly_loose_parts, only: text_of_parts
    use coulter_base_error, only: error_type, fatal_error
    use coulter_base_kinds, only: wp
    use coulter_base_text, only: to_text
@@ -8,13 +9,12 @@ module coulter_step_run
    use coulter_model, only: model_type
    use coulter_model_observer, only: n_phases, observer_type, phase_output, scene_report_type, &
       step_report_type
+   use coulter_setup_sites, only: open_sites, release_sites
    use coulter_step, only: advance_step, prepare_system
-   use coulter_step_loose_parts, only: text_of_parts
    use coulter_step_phases, only: begin_phase
    use coulter_step_report, only: report_scene
    use coulter_step_settle, only: begin_settling, is_settling, settle_again, settle_on
-   use coulter_step_sites, only: open_sites, release_sites
-   use coulter_step_system, only: system_type
+   use coulter_system, only: system_type
    implicit none(type, external)
    private
    public :: run_model, describe_scene

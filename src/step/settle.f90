@@ -7,7 +7,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_settle
    use coulter_base_kinds, only: wp
-   use coulter_step_system, only: system_type
+   use coulter_system, only: system_type
    implicit none(type, external)
    private
    public :: begin_settling, settle_on, settle_again, is_settling

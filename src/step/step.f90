@@ -1,22 +1,22 @@
 !> One load step, or a part of one: locate, number, solve, accept.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step
+   use coulter_assembly, only: apply_dead_loads, assemble
+   use coulter_assembly_surface_forces, only: check_sliding
    use coulter_base_kinds, only: wp
    use coulter_model, only: model_type
    use coulter_model_observer, only: phase_accept, step_report_type
+   use coulter_newton, only: newton_type, solve_newton
+   use coulter_newton_guess, only: forget_motion, remember_motion
+   use coulter_retile, only: retile_if_distorted
+   use coulter_retile_meetings, only: find_meetings
+   use coulter_retile_report, only: report_new_tiles
+   use coulter_setup_prepare, only: prepare_step, prepare_system
    use coulter_step_accept, only: accept_step
-   use coulter_step_assembly, only: apply_dead_loads, assemble
-   use coulter_step_meetings, only: find_meetings
-   use coulter_step_guess, only: forget_motion, remember_motion
-   use coulter_step_newton, only: newton_type, solve_newton
    use coulter_step_passage, only: check_passage
-   use coulter_step_prepare, only: prepare_step, prepare_system
    use coulter_step_report, only: report_step
-   use coulter_step_retile, only: retile_if_distorted
-   use coulter_step_retile_report, only: report_new_tiles
    use coulter_step_settle, only: is_settling
-   use coulter_step_surface_forces, only: check_sliding
-   use coulter_step_system, only: system_type
+   use coulter_system, only: system_type
    implicit none(type, external)
    private
    public :: advance_step, prepare_system

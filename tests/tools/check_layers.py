@@ -8,22 +8,21 @@ import re
 import sys
 from pathlib import Path
 
-# What each folder may use besides itself. Files directly in src/ (the program) may use all.
-BELOW_MODEL = {"base", "algebra", "grid", "law", "points", "boundary"}
+# What each folder may use besides itself: of a chain, all folders before it. Files directly in src/
+# (the program) may use all.
+CHAIN = ["boundary", "contact", "model", "system", "assembly", "setup", "newton", "retile", "step"]
+BELOW_CHAIN = {"base", "algebra", "grid", "law", "points"}
 MAY_USE = {
     "base": set(),
     "algebra": {"base"},
     "grid": {"base", "algebra"},
     "law": {"base", "algebra"},
     "points": {"base", "grid"},
-    "boundary": BELOW_MODEL - {"boundary"},
-    "model": BELOW_MODEL,
     "sample": {"base", "algebra", "law"},
-    "step": BELOW_MODEL | {"model"},
-    "deck": BELOW_MODEL | {"model", "sample"},
-    "results": BELOW_MODEL | {"model"},
-    "c_api": BELOW_MODEL | {"model", "step", "deck", "results"},
+    **{room: BELOW_CHAIN | set(CHAIN[:i]) for i, room in enumerate(CHAIN)},
 }
+MAY_USE["deck"] = MAY_USE["model"] | {"model", "sample"}
+MAY_USE["results"] = MAY_USE["model"] | {"model"}
 VERSION_MODULE = "coulter_version"  # written by CMake; for everyone but base
 
 # Statements that belong to one folder alone, as (pattern, folder, reason).

@@ -1,0 +1,392 @@
+!> A new tiling inside the outline of distorted tiles.
+!>
+!> The nodes of a regular lattice move to the outline where they are near it; the outline itself is
+!> not simplified (theory, section 8).
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_retile_filling
+   use coulter_base_kinds, only: wp
+   use coulter_base_polygon, only: area_and_centroid, polygon_type
+   use coulter_points_domains, only: add_domain, cut_domains, domain_list_type, weld_domains
+   use coulter_points_outline, only: encloses, outline_type, sharp_corners
+   use coulter_retile_outline_fitting, only: follow_outline, runs_along
+   implicit none(type, external)
+   private
+   public :: tile_outline
+
+   !> A lattice of nodes around the outline, with what is known about each.
+   type :: lattice_type
+      !> Position of every node, moved or not, length units, shape (2, nx, ny).
+      real(wp), allocatable :: position(:, :, :)
+      !> 1 inside, 0 moved to the outline, -1 outside, shape (nx, ny).
+      integer, allocatable :: state(:, :)
+      !> Where the edge from every node to the next one in x and in y crosses the outline, shape
+      !> (2, 2, nx, ny): component, direction of the edge, node.
+      real(wp), allocatable :: crossing(:, :, :, :)
+      !> Does it, shape (2, nx, ny)?
+      logical, allocatable :: is_crossed(:, :, :)
+   end type lattice_type
+
+   !> Nodes this near move to the outline, over the spacing: less leaves slivers.
+   real(wp), parameter :: snap = 0.45_wp
+   !> Corners of the outline that turn by more than this (40 degrees) get a node of their own.
+   real(wp), parameter :: sharp = 0.698_wp
+   !> Length of outline on either side over which that is measured, over the spacing.
+   real(wp), parameter :: chord = 0.25_wp
+   !> Corners of tiles nearer than this are one, over the spacing.
+   real(wp), parameter :: corner_tolerance = 1.0e-7_wp
+   !> Gaps behind corners of tools stay open where they are wider than this, and up to this far from
+   !> there, over the spacing.
+   real(wp), parameter :: least_gap = 0.05_wp, longest_gap = 3.0_wp
+   !> Tiles smaller than this share of a cell are left out.
+   real(wp), parameter :: smallest_share = 2.0e-3_wp
+   !> Places beside the middle one of three corners, as shares in all of them.
+   real(wp), parameter :: beside(3, 2) = reshape([0.1_wp, 0.88_wp, 0.02_wp, &
+                                                  0.02_wp, 0.88_wp, 0.1_wp], [3, 2])
+   !> Nodes of a cell in counter-clockwise order.
+   integer, parameter :: cell_node(2, 4) = reshape([0, 0, 1, 0, 1, 1, 0, 1], [2, 4])
+
+contains
+
+   !> Tile the inside of an outline: one tile per whole cell of a lattice, polygons at the outline
+   !> that are split into quadrilaterals and triangles.
+   pure subroutine tile_outline(outline, origin, spacing, vertices)
+      !> Outline of the body.
+      type(outline_type), intent(in) :: outline
+      !> A node of the lattice, and its spacing per direction, length units.
+      real(wp), intent(in) :: origin(2), spacing(2)
+      !> Corners of the tiles, counter-clockwise; a triangle repeats its last one, shape
+      !> (2, 4, n_tiles).
+      real(wp), allocatable, intent(out) :: vertices(:, :, :)
+      type(lattice_type) :: lattice
+      type(domain_list_type) :: domains
+      integer, allocatable :: owner(:)
+      real(wp) :: h
+      integer :: i, j, n
+
+      allocate (vertices(2, 4, 0))
+      if (outline%n == 0) return
+      h = minval(spacing)
+      call make_lattice(lattice, outline, origin, spacing)
+      call mark_inside(lattice, outline)
+      call move_to_corners(lattice, outline, h)
+      call move_to_outline(lattice, outline, h)
+      call find_crossings(lattice, outline, h)
+      do j = 1, size(lattice%state, 2) - 1
+         do i = 1, size(lattice%state, 1) - 1
+            call add_cell(lattice, outline, [i, j], product(spacing), domains)
+         end do
+      end do
+      call weld_domains(domains, corner_tolerance*h, n)
+      call follow_outline(domains, outline, h)
+      call cut_domains(domains, [corner_tolerance*product(spacing)], vertices, owner)
+   end subroutine tile_outline
+
+   !> Nodes around the outline with a margin of a cell.
+   pure subroutine make_lattice(lattice, outline, origin, spacing)
+      type(lattice_type), intent(out) :: lattice
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: origin(2), spacing(2)
+      integer :: i, j, first(2), last(2)
+
+      first = floor((minval(outline%corner, dim=2) - origin)/spacing) - 1
+      last = ceiling((maxval(outline%corner, dim=2) - origin)/spacing) + 1
+      associate (n => last - first + 1)
+         allocate (lattice%position(2, n(1), n(2)), lattice%crossing(2, 2, n(1), n(2)))
+         allocate (lattice%is_crossed(2, n(1), n(2)), source=.false.)
+         allocate (lattice%state(n(1), n(2)), source=-1)
+         do j = 1, n(2)
+            do i = 1, n(1)
+               lattice%position(:, i, j) = origin + spacing*real(first + [i, j] - 1, wp)
+            end do
+         end do
+      end associate
+      lattice%crossing = 0.0_wp
+   end subroutine make_lattice
+
+   !> Find the nodes that the outline runs round: its edges are counted on the right of each.
+   pure subroutine mark_inside(lattice, outline)
+      type(lattice_type), intent(inout) :: lattice
+      type(outline_type), intent(in) :: outline
+      integer :: winding(size(lattice%state, 1), size(lattice%state, 2))
+      real(wp) :: x
+      integer :: c, j
+
+      winding = 0
+      do c = 1, outline%n
+         associate (a => outline%corner(:, c), b => outline%corner(:, outline%next(c)))
+            do j = 1, size(winding, 2)
+               associate (y => lattice%position(2, 1, j))
+                  if ((a(2) > y) .eqv. (b(2) > y)) cycle
+                  x = a(1) + (b(1) - a(1))*(y - a(2))/(b(2) - a(2))
+                  where (lattice%position(1, :, j) < x) &
+                     winding(:, j) = winding(:, j) + merge(1, -1, b(2) > a(2))
+               end associate
+            end do
+         end associate
+      end do
+      where (winding > 0) lattice%state = 1
+   end subroutine mark_inside
+
+   !> Move the nearest node to every sharp corner, the sharpest first.
+   pure subroutine move_to_corners(lattice, outline, h)
+      type(lattice_type), intent(inout) :: lattice
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: h
+      real(wp), allocatable :: turn(:)
+      real(wp) :: local(2)
+      integer :: c, node(2)
+
+      turn = sharp_corners(outline, chord*h)
+      where (outline%is_feature) turn = huge(1.0_wp)
+      do
+         c = maxloc(turn, dim=1)
+         if (turn(c) < sharp) exit
+         turn(c) = 0.0_wp
+         associate (first => lattice%position(:, 1, 1), n => shape(lattice%state))
+            ! the first nodes are outside and far from the outline: they have not moved
+            local = (outline%corner(:, c) - first)/(lattice%position(:, n(1), n(2)) - first)
+            node = 1 + nint(local*real(n - 1, wp))
+         end associate
+         if (lattice%state(node(1), node(2)) == 0) cycle
+         lattice%position(:, node(1), node(2)) = outline%corner(:, c)
+         lattice%state(node(1), node(2)) = 0
+      end do
+   end subroutine move_to_corners
+
+   !> Move the other nodes that are near the outline to it.
+   pure subroutine move_to_outline(lattice, outline, h)
+      type(lattice_type), intent(inout) :: lattice
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: h
+      real(wp) :: nearest(size(lattice%state, 1), size(lattice%state, 2))
+      real(wp) :: foot(2, size(lattice%state, 1), size(lattice%state, 2)), place(2)
+      integer :: c, i, j, low(2), high(2)
+
+      nearest = snap*h
+      do c = 1, outline%n
+         associate (a => outline%corner(:, c), b => outline%corner(:, outline%next(c)))
+            call nodes_around(lattice, min(a, b) - snap*h, max(a, b) + snap*h, low, high)
+            do j = low(2), high(2)
+               do i = low(1), high(1)
+                  if (lattice%state(i, j) == 0) cycle
+                  place = foot_on_edge(lattice%position(:, i, j), a, b)
+                  if (norm2(place - lattice%position(:, i, j)) >= nearest(i, j)) cycle
+                  nearest(i, j) = norm2(place - lattice%position(:, i, j))
+                  foot(:, i, j) = place
+               end do
+            end do
+         end associate
+      end do
+      do j = 1, size(nearest, 2)
+         do i = 1, size(nearest, 1)
+            if (nearest(i, j) >= snap*h) cycle
+            lattice%position(:, i, j) = foot(:, i, j)
+            lattice%state(i, j) = 0
+         end do
+      end do
+   end subroutine move_to_outline
+
+   !> Range of nodes in a box, by their place before they moved.
+   pure subroutine nodes_around(lattice, lower, upper, low, high)
+      type(lattice_type), intent(in) :: lattice
+      real(wp), intent(in) :: lower(2), upper(2)
+      integer, intent(out) :: low(2), high(2)
+
+      associate (n => shape(lattice%state))
+         associate (first => lattice%position(:, 1, 1), &
+                    step => (lattice%position(:, n(1), n(2)) - lattice%position(:, 1, 1)) &
+                    /real(n - 1, wp))
+            low = max(floor((lower - first)/step) + 1, 1)
+            high = min(ceiling((upper - first)/step) + 1, n)
+         end associate
+      end associate
+   end subroutine nodes_around
+
+   !> Nearest place on an edge.
+   pure function foot_on_edge(position, first, last) result(place)
+      real(wp), intent(in) :: position(2), first(2), last(2)
+      real(wp) :: place(2)
+      real(wp) :: along(2)
+
+      along = last - first
+      place = first + along*min(max(dot_product(position - first, along) &
+                                    /max(dot_product(along, along), tiny(1.0_wp)), 0.0_wp), 1.0_wp)
+   end function foot_on_edge
+
+   !> For every lattice edge that leaves the body from an inside node, the crossing nearest to that.
+   pure subroutine find_crossings(lattice, outline, h)
+      type(lattice_type), intent(inout) :: lattice
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: h
+      integer :: i, j, k, other(2), states(2)
+      real(wp) :: ends(2, 2), place(2)
+
+      do j = 1, size(lattice%state, 2)
+         do i = 1, size(lattice%state, 1)
+            do k = 1, 2
+               other = [i, j] + cell_node(:, merge(2, 4, k == 1))
+               if (any(other > shape(lattice%state))) cycle
+               states = [lattice%state(i, j), lattice%state(other(1), other(2))]
+               if (maxval(states) < 1 .or. minval(states) > 0) cycle
+               ends(:, 1) = lattice%position(:, i, j)
+               ends(:, 2) = lattice%position(:, other(1), other(2))
+               if (states(1) < 1) ends = ends(:, [2, 1])
+               place = first_crossing(outline, ends(:, 1), ends(:, 2))
+               lattice%is_crossed(k, i, j) = minval(states) < 0
+               if (minval(states) == 0) lattice%is_crossed(k, i, j) = &
+                  is_across(outline, place, ends(:, 2), h)
+               lattice%crossing(:, k, i, j) = place
+            end do
+         end do
+      end do
+   end subroutine find_crossings
+
+   !> Is a node on the outline beyond the gap behind a corner of a tool for one inside, whose way to
+   !> it crosses the outline somewhere? Where that is rugged it may be crossed, too, but runs on to
+   !> the node.
+   pure function is_across(outline, place, node, h) result(answer)
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: place(2), node(2), h
+      logical :: answer
+      integer :: c
+
+      answer = .false.
+      if (norm2(node - place) <= least_gap*h) return
+      do c = 1, outline%n
+         if (outline%is_feature(c)) answer = answer &
+            .or. norm2(outline%corner(:, c) - node) < longest_gap*h
+      end do
+      if (answer) answer = .not. encloses(outline, 0.5_wp*(place + node))
+      if (answer) answer = .not. (runs_along(outline, place, node) &
+                                  .or. runs_along(outline, node, place))
+   end function is_across
+
+   !> First place where the way from one node to another meets the outline; half the way if
+   !> round-off hides it.
+   pure function first_crossing(outline, from, to) result(place)
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: from(2), to(2)
+      real(wp) :: place(2)
+      real(wp) :: normal(2), side(2), share, nearest
+      integer :: c
+
+      nearest = 2.0_wp
+      normal = [from(2) - to(2), to(1) - from(1)]
+      do c = 1, outline%n
+         associate (a => outline%corner(:, c), b => outline%corner(:, outline%next(c)))
+            side = [dot_product(normal, a - from), dot_product(normal, b - from)]
+            if ((side(1) > 0.0_wp) .eqv. (side(2) > 0.0_wp)) cycle
+            share = dot_product(to - from, a + (b - a)*(side(1)/(side(1) - side(2))) - from) &
+               /dot_product(to - from, to - from)
+            if (share >= 0.0_wp .and. share <= 1.0_wp) nearest = min(nearest, share)
+         end associate
+      end do
+      if (nearest > 1.0_wp) nearest = 0.5_wp
+      place = from + nearest*(to - from)
+   end function first_crossing
+
+   !> Append the part of a cell that is inside: its nodes inside and on the outline, and the
+   !> crossings between.
+   pure subroutine add_cell(lattice, outline, cell, cell_area, domains)
+      type(lattice_type), intent(in) :: lattice
+      type(outline_type), intent(in) :: outline
+      integer, intent(in) :: cell(2)
+      real(wp), intent(in) :: cell_area
+      type(domain_list_type), intent(inout) :: domains
+      type(polygon_type) :: polygon
+      logical :: is_on_outline(8), has_inside
+      real(wp) :: area, centroid(2)
+
+      has_inside = any(lattice%state(cell(1):cell(1) + 1, cell(2):cell(2) + 1) > 0)
+      call walk_cell(lattice, cell, polygon, is_on_outline)
+      call cut_off_gaps(polygon, is_on_outline, outline, has_inside)
+      if (polygon%n < 3) return
+      call area_and_centroid(polygon%corner(:, :polygon%n), area, centroid)
+      if (area < smallest_share*cell_area) return
+      if (.not. (has_inside .or. encloses(outline, centroid))) return
+      call add_domain(domains, polygon%corner(:, :polygon%n), 1)
+   end subroutine add_cell
+
+   !> Corners of the part of a cell that is inside.
+   pure subroutine walk_cell(lattice, cell, polygon, is_on_outline)
+      type(lattice_type), intent(in) :: lattice
+      integer, intent(in) :: cell(2)
+      type(polygon_type), intent(out) :: polygon
+      logical, intent(out) :: is_on_outline(8)
+      integer :: k, along, here(2), next(2), low(2), state
+
+      allocate (polygon%corner(2, 8))
+      is_on_outline = .false.
+      do k = 1, 4
+         here = cell + cell_node(:, k)
+         next = cell + cell_node(:, modulo(k, 4) + 1)
+         state = lattice%state(here(1), here(2))
+         if (state >= 0) then
+            call append(polygon, lattice%position(:, here(1), here(2)))
+            is_on_outline(polygon%n) = state == 0
+         end if
+         low = min(here, next)
+         along = merge(1, 2, here(2) == next(2))
+         if (.not. lattice%is_crossed(along, low(1), low(2))) cycle
+         call append(polygon, lattice%crossing(:, along, low(1), low(2)))
+      end do
+   end subroutine walk_cell
+
+   !> Leave out nodes on the outline whose corner of the cell is outside: beside a re-entrant corner
+   !> of the body they belong to the other face of the gap. Those stay that bound material on the
+   !> same face as a neighbour: where the outline is hollow, as around the nose of a tool, most of
+   !> the corner may be outside.
+   pure subroutine cut_off_gaps(polygon, is_on_outline, outline, has_inside)
+      type(polygon_type), intent(inout) :: polygon
+      logical, intent(inout) :: is_on_outline(8)
+      type(outline_type), intent(in) :: outline
+      !> Is a node of the cell inside the body?
+      logical, intent(in) :: has_inside
+      integer :: k, n, last, next
+      logical :: is_gap
+
+      k = 1
+      do while (k <= polygon%n .and. polygon%n >= 3)
+         n = polygon%n
+         last = modulo(k - 2, n) + 1
+         next = modulo(k, n) + 1
+         is_gap = is_on_outline(k)
+         if (is_gap) is_gap = is_outside(outline, polygon%corner(:, [last, k, next]))
+         if (is_gap .and. has_inside) is_gap = .not. &
+            (runs_along(outline, polygon%corner(:, last), polygon%corner(:, k)) &
+             .or. runs_along(outline, polygon%corner(:, k), polygon%corner(:, next)))
+         if (is_gap) then
+            polygon%corner(:, k:n - 1) = polygon%corner(:, k + 1:n)
+            is_on_outline(k:n - 1) = is_on_outline(k + 1:n)
+            polygon%n = n - 1
+            k = 1
+         else
+            k = k + 1
+         end if
+      end do
+   end subroutine cut_off_gaps
+
+   !> Is a convex ear outside, both in the middle and, since its edges are chords, beside its tip?
+   pure function is_outside(outline, ear) result(answer)
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: ear(2, 3)
+      logical :: answer
+      real(wp) :: area, centroid(2)
+
+      call area_and_centroid(ear, area, centroid)
+      answer = area > 0.0_wp
+      if (answer) answer = .not. encloses(outline, centroid)
+      if (answer) answer = .not. encloses(outline, matmul(ear, beside(:, 1)))
+      if (answer) answer = .not. encloses(outline, matmul(ear, beside(:, 2)))
+   end function is_outside
+
+   !> Add a corner; there must be room for it.
+   pure subroutine append(polygon, position)
+      type(polygon_type), intent(inout) :: polygon
+      real(wp), intent(in) :: position(2)
+
+      polygon%n = polygon%n + 1
+      polygon%corner(:, polygon%n) = position
+   end subroutine append
+
+end module coulter_retile_filling

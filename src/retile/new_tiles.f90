@@ -1,0 +1,140 @@
+!> New tiles of bodies: their outlines as they are now, along walls, tools and each other, filled.
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_retile_new_tiles
+   use coulter_base_kinds, only: wp
+   use coulter_model, only: model_type
+   use coulter_points_outline, only: outline_type, trace_outline
+   use coulter_points_tiling, only: corner_gradients, new_tiling, tiling_type
+   use coulter_retile_filling, only: tile_outline
+   use coulter_retile_interfaces, only: edges_of_body, find_interfaces, interfaces_type, &
+      is_on_interface, is_torn, keep_ends
+   use coulter_retile_meetings, only: join_surfaces
+   use coulter_retile_state_transfer, only: restore_area
+   use coulter_retile_surface_transfer, only: is_on_other_field
+   use coulter_retile_trimming, only: is_near_face, push_corners_out, trim_outline
+   implicit none(type, external)
+   private
+   public :: make_tiles
+
+   !> Loops of less than this share of a cell are dropped.
+   real(wp), parameter :: smallest_loop = 0.5_wp
+   !> Corners of tiles nearer than this are one, over the spacing.
+   real(wp), parameter :: corner_tolerance = 1.0e-7_wp
+   !> Corners of the outline this near to a face stay where they are, over the spacing.
+   real(wp), parameter :: touching = 0.02_wp
+   !> Corners this near to an interface of bonded bodies belong to it, over the spacing.
+   real(wp), parameter :: bonded = 0.05_wp
+   !> Largest shift of free corners that restores the area, over the spacing.
+   real(wp), parameter :: farthest_shift = 0.05_wp
+
+contains
+
+   !> New tiles of all bodies, body by body.
+   pure subroutine make_tiles(model, tiling, owner, has_failed)
+      !> Scene between two steps.
+      type(model_type), intent(in) :: model
+      !> The tiles.
+      type(tiling_type), intent(out) :: tiling
+      !> Body of every tile, shape (n_tiles).
+      integer, allocatable, intent(out) :: owner(:)
+      !> Would bodies that share corners do so no more, or has a tile no area?
+      logical, intent(out) :: has_failed
+      type(outline_type) :: outline
+      type(interfaces_type) :: interfaces
+      real(wp), allocatable :: vertices(:, :, :), all_vertices(:, :, :)
+      real(wp) :: edge(2), gradient(2, 4), area
+      integer :: b, p
+
+      call find_interfaces(interfaces, model%tiling, model%points%body)
+      allocate (owner(0), all_vertices(2, 4, 0))
+      do b = 1, size(model%bodies)
+         edge = model%grid%spacing/real(model%bodies(b)%points_per_cell, wp)
+         call trace_outline(outline, model%tiling%position, edges_of_body(interfaces, b), &
+                            smallest_loop*product(edge))
+         call keep_ends(outline, interfaces)
+         call join_surfaces(outline, model, smallest_loop*product(edge))
+         call trim_outline(outline, model%boundaries, model%grid%smallest_spacing())
+         call tile_outline(outline, model%grid%origin, edge, vertices)
+         call settle_corners(vertices, model, b, interfaces)
+         all_vertices = reshape([all_vertices, vertices], [2, 4, size(owner) + size(vertices, 3)])
+         owner = [owner, spread(b, 1, size(vertices, 3))]
+      end do
+      call new_tiling(tiling, all_vertices, corner_tolerance*model%grid%smallest_spacing(), &
+                      model%bodies(owner)%field)
+      has_failed = size(owner) == 0 &
+         .or. is_torn(interfaces, tiling, bonded*model%grid%smallest_spacing())
+      do p = 1, size(owner)
+         call corner_gradients(tiling%position(:, tiling%corner(:, p)), gradient, area)
+         has_failed = has_failed .or. .not. area > 0.0_wp
+      end do
+   end subroutine make_tiles
+
+   !> Push corners out of tools, and shift free ones: new tiles of a body get the area of its old
+   !> ones.
+   pure subroutine settle_corners(vertices, model, body, interfaces)
+      real(wp), intent(inout) :: vertices(:, :, :)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      type(interfaces_type), intent(in) :: interfaces
+      type(tiling_type) :: tiling
+      logical, allocatable :: is_free(:)
+      real(wp) :: h, area, total, gradient(2, 4)
+      integer :: c, p
+
+      h = model%grid%smallest_spacing()
+      total = 0.0_wp
+      do p = 1, model%points%n_points
+         if (model%points%body(p) /= body) cycle
+         call corner_gradients(model%tiling%position(:, model%tiling%corner(:, p)), gradient, area)
+         total = total + area
+      end do
+      if (size(vertices, 3) == 0) return
+      call new_tiling(tiling, vertices, corner_tolerance*h)
+      call push_corners_out(tiling, model%boundaries, h)
+      allocate (is_free(tiling%n_corners))
+      call find_free_corners(is_free, tiling, model)
+      do c = 1, tiling%n_corners
+         if (is_free(c)) is_free(c) = .not. is_on_interface(interfaces, tiling%position(:, c), &
+                                                            bonded*h)
+         if (.not. (is_free(c) .and. allocated(model%tiling%field))) cycle
+         is_free(c) = .not. is_on_other_field(model, body, tiling%position(:, c), bonded*h)
+      end do
+      call restore_area(tiling, is_free, total, farthest_shift*h)
+      do p = 1, size(vertices, 3)
+         vertices(:, :, p) = tiling%position(:, tiling%corner(:, p))
+      end do
+   end subroutine settle_corners
+
+   !> Corners on the outline that are near no boundary, no held node and no side of the grid.
+   pure subroutine find_free_corners(is_free, tiling, model)
+      logical, intent(out) :: is_free(:)
+      type(tiling_type), intent(in) :: tiling
+      type(model_type), intent(in) :: model
+      real(wp) :: near
+      integer :: b, c, f
+
+      near = touching*model%grid%smallest_spacing()
+      is_free = .false.
+      is_free(tiling%outer_edge(1, :)) = .true.
+      do c = 1, tiling%n_corners
+         associate (place => tiling%position(:, c))
+            is_free(c) = is_free(c) .and. all(place > model%grid%origin + near) &
+               .and. all(place < model%grid%upper_corner() - near)
+            do f = 1, size(model%fixities)
+               associate (fixity => model%fixities(f))
+                  is_free(c) = is_free(c) .and. .not. (fixity%is_active &
+                     .and. all(place > fixity%lower - near) .and. all(place < fixity%upper + near))
+               end associate
+            end do
+         end associate
+      end do
+      do b = 1, size(model%boundaries)
+         if (.not. model%boundaries(b)%is_active) cycle
+         do c = 1, tiling%n_corners
+            if (is_free(c)) is_free(c) = .not. is_near_face(model%boundaries(b), &
+                                                            tiling%position(:, c), near)
+         end do
+      end do
+   end subroutine find_free_corners
+
+end module coulter_retile_new_tiles

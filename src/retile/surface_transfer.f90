@@ -1,0 +1,100 @@
+!> What surfaces of bodies in contact remember, carried to the edges of new tiles.
+!>
+!> As with walls and tools, the shear that a station carries lasts, not the way that it has crept
+!> (theory, section 8).
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_retile_surface_transfer
+   use coulter_assembly_contact_forces, only: band_penalties
+   use coulter_base_kinds, only: wp
+   use coulter_base_polygon, only: distance_to_segment
+   use coulter_contact_surface_pairs, only: find_surface_pairs, surface_pair_type
+   use coulter_model, only: model_type
+   use coulter_points_tiling, only: tiling_type
+   use coulter_system, only: system_type
+   implicit none(type, external)
+   private
+   public :: carry_surfaces, is_on_other_field
+
+   !> Stations farther from all old ones than this have none to ask, over the spacing.
+   real(wp), parameter :: farthest = 0.5_wp
+
+contains
+
+   !> Give the pairs of new tiles state and tractions of the nearest old ones.
+   pure subroutine carry_surfaces(system, model)
+      !> System between two steps; the pairs of its last step are replaced.
+      type(system_type), intent(inout) :: system
+      !> Scene with the new tiles.
+      type(model_type), intent(in) :: model
+      type(surface_pair_type), allocatable :: pairs(:)
+      integer :: k
+
+      call find_surface_pairs(pairs, model%body_contacts, model%tiling, model%points%body, &
+                              model%grid%smallest_spacing())
+      do k = 1, size(pairs)
+         call ask(pairs(k), system%surfaces%last, model)
+      end do
+      call move_alloc(pairs, system%surfaces%last)
+   end subroutine carry_surfaces
+
+   !> State at the place of a new pair: the middle of its half edge.
+   pure subroutine ask(new, last, model)
+      type(surface_pair_type), intent(inout) :: new
+      type(surface_pair_type), intent(in) :: last(:)
+      type(model_type), intent(in) :: model
+      real(wp) :: place(2), along(2), shear, distance, nearest
+      integer :: k, found
+
+      associate (ends => model%tiling%position(:, new%corner([new%vertex, 5, 6])))
+         along = ends(:, 2) - ends(:, 1)
+         place = ends(:, 1) + (0.5_wp*real(new%half, wp) - 0.25_wp)*along
+      end associate
+      found = 0
+      nearest = farthest*model%grid%smallest_spacing()
+      do k = 1, size(last)
+         if (last(k)%contact /= new%contact .or. .not. last(k)%is_acting) cycle
+         distance = norm2(last(k)%place - place)
+         if (distance >= nearest) cycle
+         nearest = distance
+         found = k
+      end do
+      if (found == 0) return
+      new%is_acting = .true.
+      new%slip = last(found)%slip
+      new%traction = last(found)%traction
+      new%weight = last(found)%weight
+      new%place = place
+      if (.not. model%body_contacts(new%contact)%rubs()) return
+      associate (stress => model%points%converged%kirchhoff_stress([1, 4, 4, 2], new%tile))
+         shear = dot_product(along/new%length, matmul(reshape(stress, [2, 2]), new%inward)) &
+            /model%points%volume_ratio(new%tile)
+      end associate
+      associate (penalty => band_penalties(model, new%tile, &
+                                           model%body_contacts(new%contact)%band_ratio))
+         new%new_lag = (new%traction(2) - shear)/penalty(2)
+      end associate
+   end subroutine ask
+
+   !> Does a place lie on the surface of a body of another displacement field?
+   pure function is_on_other_field(model, body, place, distance) result(answer)
+      !> Scene with tiles.
+      type(model_type), intent(in) :: model
+      !> Body of the place.
+      integer, intent(in) :: body
+      !> The place, and how far it may be away, length units.
+      real(wp), intent(in) :: place(2), distance
+      logical :: answer
+      integer :: e
+
+      answer = .true.
+      do e = 1, size(model%tiling%outer_edge, 2)
+         associate (edge => model%tiling%outer_edge(:, e))
+            if (model%tiling%field(edge(3)) == model%bodies(body)%field) cycle
+            if (distance_to_segment(place, model%tiling%position(:, edge(1)), &
+                                    model%tiling%position(:, edge(2))) <= distance) return
+         end associate
+      end do
+      answer = .false.
+   end function is_on_other_field
+
+end module coulter_retile_surface_transfer
