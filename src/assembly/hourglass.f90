@@ -89,6 +89,7 @@ contains
       !> displacement of w vector(v)*vector(w)*slope.
       real(wp), intent(out) :: pull(2), slope(2, 2)
       real(wp) :: moved(2, 4), position(2, 4), size_of
+      integer :: j
 
       slope = stiffness*reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
       associate (law => model%laws(model%bodies(model%points%body(tile))%law)%law, &
@@ -105,8 +106,9 @@ contains
          size_of = norm2(pull)
          if (size_of <= tiling%largest_pull(tile)) return
          pull = pull/size_of
-         slope = (slope - stiffness*spread(pull, 2, 2)*spread(pull, 1, 2)) &
-            *tiling%largest_pull(tile)/size_of
+         do j = 1, 2
+            slope(:, j) = (slope(:, j) - stiffness*pull*pull(j))*tiling%largest_pull(tile)/size_of
+         end do
          pull = tiling%largest_pull(tile)*pull
       end associate
    end subroutine find_pull

@@ -8,7 +8,7 @@ module coulter_law_drucker_prager
    use coulter_base_error, only: error_type, fatal_error
    use coulter_base_kinds, only: wp
    use coulter_law_parameters, only: law_model_type, law_values_type
-   use coulter_law_planes, only: planes_type, return_to_planes, return_type
+   use coulter_law_planes, only: n_stress, planes_type, return_to_planes, return_type
    use coulter_law_plastic, only: new_plastic_law, plastic_law_type, quotient
    use coulter_law_softening, only: check_softening
    use coulter_law_strength, only: factors_type, strength_parameters
@@ -77,7 +77,7 @@ contains
       logical, intent(out) :: is_elastic
       type(planes_type) :: planes
       type(return_type) :: invariant
-      real(wp) :: deviator(3), shear, stiffness(2, 2), stress(2)
+      real(wp) :: deviator(3), shear, stiffness(n_stress, n_stress), stress(n_stress)
       logical :: has_tension
 
       deviator = trial - sum(trial)/3.0_wp
@@ -87,17 +87,17 @@ contains
       stiffness = 0.0_wp
       stiffness(1, 1) = self%elastic%lame_lambda + 2.0_wp/3.0_wp*self%elastic%shear_modulus
       stiffness(2, 2) = 3.0_wp*self%elastic%shear_modulus
-      stress = [stiffness(1, 1)*sum(trial), stiffness(2, 2)*shear]
+      stress = [stiffness(1, 1)*sum(trial), stiffness(2, 2)*shear, 0.0_wp]
       call set_planes(self, strength, factors, planes, has_tension)
-      is_elastic = dot_product(planes%normal(:2, 1), stress) <= planes%offset(1)
+      is_elastic = dot_product(planes%normal(:2, 1), stress(:2)) <= planes%offset(1)
       if (has_tension) is_elastic = is_elastic .and. stress(1) <= planes%offset(2)
       if (is_elastic) return
       if (has_tension) then
-         call return_to_planes(2, stiffness, stress, planes, all_sets, invariant)
+         call return_to_planes(stiffness, stress, planes, all_sets, invariant)
          if (planes%normal(1, 1)*planes%offset(2) >= (1.0_wp - round_off)*planes%offset(1) &
              .and. invariant%stress(2) <= round_off*planes%offset(1)) call clear(invariant)
       else
-         call return_to_planes(2, stiffness, stress, planes, cone_sets, invariant)
+         call return_to_planes(stiffness, stress, planes, cone_sets, invariant)
       end if
       call expand(invariant, deviator, shear, found)
    end subroutine project_drucker_prager

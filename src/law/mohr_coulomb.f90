@@ -86,9 +86,9 @@ contains
       if (has_tension) is_elastic = is_elastic .and. stress(1) <= planes%offset(4)
       if (is_elastic) return
       if (has_tension) then
-         call return_to_planes(3, stiffness, stress, planes, all_sets, found)
+         call return_to_planes(stiffness, stress, planes, all_sets, found)
       else
-         call return_to_planes(3, stiffness, stress, planes, shear_sets, found)
+         call return_to_planes(stiffness, stress, planes, shear_sets, found)
       end if
       found%stress(order) = found%stress
       found%plastic(order) = found%plastic

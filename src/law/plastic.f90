@@ -213,6 +213,7 @@ contains
       real(wp), intent(out) :: new_state(self%n_state)
       type(given_type) :: given
       type(guess_type) :: guess
+      integer :: j
 
       new_state = state
       response%has_failed = .not. all(abs(trial) <= huge(trial))
@@ -230,8 +231,10 @@ contains
       new_state(1) = guess%h
       response%stress = guess%found%stress
       response%strain = trial - guess%found%plastic
-      response%tangent = guess%found%tangent &
-         + spread(guess%found%slope, 2, 3)*spread(guess%by_trial, 1, 3)/(1.0_wp - guess%slope)
+      do j = 1, 3
+         response%tangent(:, j) = guess%found%tangent(:, j) &
+            + guess%found%slope*guess%by_trial(j)/(1.0_wp - guess%slope)
+      end do
    end subroutine update_plastic
 
    !> Hencky's law in principal axes.

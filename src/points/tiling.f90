@@ -243,10 +243,12 @@ contains
       real(wp), intent(in) :: gradient(2, 4)
       real(wp) :: gamma(4)
       real(wp), parameter :: pattern(4) = [1.0_wp, -1.0_wp, 1.0_wp, -1.0_wp]
+      real(wp) :: skew(2)
 
       ! relative to the first corner, so that far from the origin no digits are lost
-      gamma = 0.25_wp*(pattern &
-                       - matmul(matmul(corner - spread(corner(:, 1), 2, 4), pattern), gradient))
+      skew = (corner(:, 3) - corner(:, 1)) - (corner(:, 2) - corner(:, 1)) &
+         - (corner(:, 4) - corner(:, 1))
+      gamma = 0.25_wp*(pattern - matmul(skew, gradient))
    end function current_hourglass
 
    !> Number the distinct corners in the order of their x coordinate.
