@@ -115,7 +115,8 @@ contains
       found%slope = -matmul(back, slope) - turn
       found%stress = stress
       found%plastic = matmul(flow, multiplier)
-      found%tangent = stiffness - matmul(back, matmul(inverse, matmul(transpose(normal), stiffness)))
+      found%tangent = stiffness &
+         - matmul(back, matmul(inverse, matmul(transpose(normal), stiffness)))
       found%violation = violation_of(planes, set(:n), stress, &
                                      -multiplier*sum(normal*back, dim=1), maxval(abs(trial)))
    end subroutine activate
