@@ -105,6 +105,8 @@ contains
       else
          text = text//"all bodies are held, but material is unstable, or at its limit load:" &
             //settling_advice(system, model)
+         if (.not. model%control%ghost_ratio > 0.0_wp) text = text &
+            //"; what fills little of a cell is held by `ghost_penalty` alone"
       end if
    end function explain_singular
 

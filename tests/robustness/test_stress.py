@@ -42,3 +42,9 @@ def test_free_bodies_are_reported(name):
         if case.name == name:
             outcome = run_scene(case.scene, PROGRAM)
             assert outcome.verdict == "warned" and "free to move" in outcome.remark, outcome
+
+
+def test_missing_ghost_penalty_is_named():
+    case = next(case for case in SWEEPS if case.sweep == "wedge, ghost penalty" and "0.0" in case.name)
+    outcome = run_scene(case.scene, PROGRAM)
+    assert outcome.verdict == "failed" and "`ghost_penalty`" in outcome.remark, outcome
