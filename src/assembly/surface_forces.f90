@@ -47,10 +47,49 @@ contains
       associate (surfaces => system%surfaces)
          call find_surface_pairs(surfaces%pairs, model%body_contacts, model%tiling, &
                                  model%points%body, model%grid%smallest_spacing())
+         if (any(model%bodies%meets_itself)) call drop_joined(system, model)
          call recall_surface_pairs(surfaces%pairs, surfaces%last)
          call couple_surfaces(surfaces, system%map, system%dofs)
       end associate
    end subroutine meet_surfaces
+
+   !> Leave out pairs within a body whose edges move as one: those that hang on the same nodes
+   !> wherever they share a place of the grid, as both faces of a thin strip and sides of a notch do.
+   pure subroutine drop_joined(system, model)
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+      logical :: are_apart(size(system%surfaces%pairs))
+      integer :: k
+
+      associate (pairs => system%surfaces%pairs, map => system%map)
+         do k = 1, size(pairs)
+            are_apart(k) = .not. model%body_contacts(pairs(k)%contact)%is_within()
+            if (are_apart(k)) cycle
+            associate (own => map%node(:, pairs(k)%corner(pairs(k)%vertex)), &
+                       other => map%node(:, pairs(k)%corner(5:6)))
+               are_apart(k) = have_sheets([own], [other], system%cells%node_index)
+            end associate
+         end do
+      end associate
+      system%surfaces%pairs = pack(system%surfaces%pairs, are_apart)
+   end subroutine drop_joined
+
+   !> Are there two different nodes at one place, or none at the same?
+   pure function have_sheets(own, other, place) result(answer)
+      !> Nodes of two edges, and the grid index of every node.
+      integer, intent(in) :: own(:), other(:), place(:, :)
+      logical :: answer
+      integer :: i, j
+
+      answer = .true.
+      do i = 1, size(own)
+         do j = 1, size(other)
+            if (any(place(:, own(i)) /= place(:, other(j)))) cycle
+            answer = own(i) /= other(j)
+            if (answer) return
+         end do
+      end do
+   end function have_sheets
 
    !> Forces of all pairs on the corners, and their tangents.
    subroutine add_surfaces(system, model, at_corners)

@@ -10,7 +10,7 @@ module coulter_contact_body_contact
 
    !> Two bodies that press and rub where their surfaces meet.
    type :: body_contact_type
-      !> Their numbers.
+      !> Their numbers; the same one twice for a body whose surfaces meet.
       integer :: body(2) = 0
       !> Which of both is the softer one, whose tractions both feel.
       integer :: softer = 1
@@ -20,6 +20,7 @@ module coulter_contact_body_contact
       real(wp) :: band_ratio = nitsche_band_ratio
    contains
       procedure :: rubs
+      procedure :: is_within
    end type body_contact_type
 
 contains
@@ -32,5 +33,13 @@ contains
       answer = self%friction%coefficient > 0.0_wp .or. self%friction%adhesion > 0.0_wp &
          .or. self%friction%is_rough
    end function rubs
+
+   !> Is it between surfaces of one body?
+   elemental function is_within(self) result(answer)
+      class(body_contact_type), intent(in) :: self
+      logical :: answer
+
+      answer = self%body(1) == self%body(2)
+   end function is_within
 
 end module coulter_contact_body_contact

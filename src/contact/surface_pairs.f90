@@ -1,9 +1,10 @@
-!> The search for edges of two bodies that may press against each other in a step.
+!> The search for edges that may press against each other in a step.
 !>
-!> A station is half an outer edge of the softer body against one outer edge of the other (theory,
-!> section 8). Which of them act is found with the displacements.
+!> A station is half an outer edge of the softer body against one outer edge of the other, or of the
+!> body itself (theory, section 8). Which of them act is found with the displacements.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_contact_surface_pairs
+   use coulter_base_bins, only: bins_type, new_bins
    use coulter_base_kinds, only: wp
    use coulter_contact_body_contact, only: body_contact_type
    use coulter_points_tiling, only: tiling_type
@@ -20,7 +21,8 @@ module coulter_contact_surface_pairs
       integer :: vertex(2) = 0, corner(6) = 0
       !> Number of the edge, end that the half belongs to, number of the other edge.
       integer :: edge = 0, half = 0, other_edge = 0
-      !> Length of the edge at the start of the step, and unit vector against its outward normal.
+      !> Length at the start of the step that the edge stands for, half of its own within a body,
+      !> and unit vector against its outward normal.
       real(wp) :: length = 0.0_wp, inward(2) = 0.0_wp
       !> Do both press, and did they in the last step?
       logical :: is_acting = .false., was_acting = .false.
@@ -62,7 +64,9 @@ contains
       !> Grid spacing.
       real(wp), intent(in) :: spacing
       type(surface_type) :: own, other
-      integer :: i, j, k, n
+      type(bins_type) :: bins
+      integer, allocatable :: near(:)
+      integer :: half, i, j, k, n
 
       allocate (pairs(64))
       n = 0
@@ -71,18 +75,32 @@ contains
             call list_surface(own, tiling, body, contacts(k)%body(softer))
             call list_surface(other, tiling, body, contacts(k)%body(3 - softer))
          end associate
+         call new_bins(bins, other%middle, 0.5_wp*(longest(own) + longest(other)) &
+                       + (farthest + reach_along)*spacing)
          do i = 1, size(own%edge)
-            do j = 1, size(other%edge)
-               if (.not. may_meet(own, i, other, j, spacing)) cycle
+            near = bins%near(own%middle(:, i))
+            do j = 1, size(near)
+               if (.not. may_meet(own, i, other, near(j), spacing)) cycle
                if (n + 2 > size(pairs)) pairs = [pairs, pairs]
-               pairs(n + 1) = new_pair(tiling, own%edge(i), other%edge(j), k, 1)
-               pairs(n + 2) = new_pair(tiling, own%edge(i), other%edge(j), k, 2)
-               n = n + 2
+               do half = 1, 2
+                  n = n + 1
+                  pairs(n) = new_pair(tiling, own%edge(i), other%edge(near(j)), k, half)
+                  ! both sides of a surface that meets itself are own ones, and each carries half
+                  if (contacts(k)%is_within()) pairs(n)%length = 0.5_wp*pairs(n)%length
+               end do
             end do
          end do
       end do
       pairs = pairs(:n)
    end subroutine find_surface_pairs
+
+   !> Length of the longest edge.
+   pure function longest(surface) result(length)
+      type(surface_type), intent(in) :: surface
+      real(wp) :: length
+
+      length = maxval([0.0_wp, surface%length])
+   end function longest
 
    !> Outer edges of a body.
    pure subroutine list_surface(surface, tiling, body, number)

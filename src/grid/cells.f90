@@ -20,9 +20,6 @@ module coulter_grid_cells
       integer :: n_with_points = 0
       !> Number of active nodes.
       integer :: n_nodes = 0
-      !> Rows from a displacement field to the next one: the cells of every further field stand as
-      !> many rows above those of the one before as if the grid went on there; 0 for a single field.
-      integer :: rows_per_field = 0
       !> Grid index of every active cell, shape (2, >= n_cells).
       integer, allocatable :: cell_index(:, :)
       !> Nodes of every active cell, counter-clockwise, shape (4, n_cells).
@@ -35,11 +32,15 @@ module coulter_grid_cells
       integer, allocatable :: point(:)
       !> Number of the active cell, or 0, at every cell of the window.
       integer, allocatable :: cell_at(:, :)
+      !> Where a cell of the grid is there several times, as sheets with nodes of their own, the next
+      !> one behind every cell, or 0, shape (n_cells); unallocated where none is.
+      integer, allocatable :: next_sheet(:)
    contains
       procedure :: number_at
       procedure :: append_cell
       procedure :: local_position
-      procedure :: place_in_grid
+      procedure :: next_beside
+      procedure :: has_beside
    end type cells_type
 
    !> Cells around the material that the window covers, for boundaries that act beside it.
@@ -135,8 +136,7 @@ contains
       integer :: p, i, j, lower(2), upper(2)
 
       lower = max(minval(index, dim=2) - window_margin, 1)
-      upper = maxval(index, dim=2) + window_margin
-      if (cells%rows_per_field == 0) upper = min(upper, grid%n_cells)
+      upper = min(maxval(index, dim=2) + window_margin, grid%n_cells)
       allocate (cells%cell_at(lower(1):upper(1), lower(2):upper(2)), source=0)
       do p = 1, size(index, 2)
          cells%cell_at(index(1, p), index(2, p)) = 1
@@ -257,16 +257,59 @@ contains
       end do
    end subroutine number_nodes
 
-   !> Grid index, in the grid itself, of a cell or node of any displacement field.
-   pure function place_in_grid(self, index) result(place)
+   !> The next active cell a step away from a cell that hangs together with it: the only one there
+   !> is, or, among sheets, one with the same nodes where both places touch.
+   pure function next_beside(self, cell, step, last) result(beside)
       class(cells_type), intent(in) :: self
-      !> Its index.
-      integer, intent(in) :: index(2)
-      integer :: place(2)
+      !> Number of a cell; way to the other place, each component from -1 to 1.
+      integer, intent(in) :: cell, step(2)
+      !> The last one that was found, 0 for the first.
+      integer, intent(in) :: last
+      !> Its number, 0 if there is none or no other.
+      integer :: beside
 
-      place = index
-      if (self%rows_per_field > 0) place(2) = modulo(index(2) - 1, self%rows_per_field) + 1
-   end function place_in_grid
+      if (.not. allocated(self%next_sheet)) then
+         beside = 0
+         if (last == 0) beside = self%number_at(self%cell_index(:, cell) + step)
+         return
+      end if
+      if (last == 0) then
+         beside = self%number_at(self%cell_index(:, cell) + step)
+      else
+         beside = self%next_sheet(last)
+      end if
+      do while (beside > 0)
+         if (hang_together(self%node(:, cell), self%node(:, beside), step)) exit
+         beside = self%next_sheet(beside)
+      end do
+   end function next_beside
+
+   !> Is there a cell a step away that hangs together with a cell?
+   pure function has_beside(self, cell, step) result(answer)
+      class(cells_type), intent(in) :: self
+      !> See `next_beside`.
+      integer, intent(in) :: cell, step(2)
+      logical :: answer
+
+      answer = self%next_beside(cell, step, 0) > 0
+   end function has_beside
+
+   !> Have two cells, of which the second is a step away, the same nodes where they touch?
+   pure function hang_together(own, other, step) result(answer)
+      !> Nodes of both.
+      integer, intent(in) :: own(4), other(4)
+      integer, intent(in) :: step(2)
+      logical :: answer
+      integer :: k, l
+
+      answer = .true.
+      do k = 1, 4
+         do l = 1, 4
+            if (any(cell_nodes_2d(:, k) /= cell_nodes_2d(:, l) + step)) cycle
+            answer = answer .and. own(k) == other(l)
+         end do
+      end do
+   end function hang_together
 
    !> Position in a cell over its edge lengths: 0 to 1 inside, shape (2).
    pure function local_position(self, grid, cell, position) result(local)

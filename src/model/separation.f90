@@ -30,11 +30,13 @@ contains
       are_apart = .false.
       do k = 1, size(model%body_contacts)
          associate (pair => model%body_contacts(k)%body)
-            if (pair(1) == pair(2)) then
-               call faults%add("contact", k, "against", "is the body itself")
-               cycle
-            else if (are_apart(pair(1), pair(2))) then
+            if (are_apart(pair(1), pair(2)) .or. (pair(1) == pair(2) &
+                                                  .and. model%bodies(pair(1))%meets_itself)) then
                call faults%add("contact", k, "against", "has a contact with this body already")
+            end if
+            if (pair(1) == pair(2)) then
+               model%bodies(pair(1))%meets_itself = .true.
+               cycle
             end if
             are_apart(pair(1), pair(2)) = .true.
             are_apart(pair(2), pair(1)) = .true.

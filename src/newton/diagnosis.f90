@@ -142,7 +142,7 @@ contains
          if (norm2(force) <= worst) cycle
          worst = norm2(force)
          place = model%grid%node_position( &
-                 system%cells%place_in_grid(system%cells%node_index(:, node)))
+                 system%cells%node_index(:, node))
       end do
       point = minloc(norm2(model%points%position - spread(place, 2, model%points%n_points), &
                            dim=1), dim=1)

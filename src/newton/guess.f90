@@ -5,16 +5,20 @@
 !> answer, and points that flow are found to flow in the first tangent.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_newton_guess
+   use coulter_base_bins, only: bins_type, new_bins
    use coulter_base_kinds, only: wp
    use coulter_model, only: model_type
+   use coulter_points_tiling, only: tile_centroid, tiling_type
    use coulter_system, only: system_type
    use coulter_system_border, only: free_motions
    implicit none(type, external)
    private
-   public :: guess_motion, remember_motion, forget_motion
+   public :: guess_motion, remember_motion, forget_motion, carry_motion
 
    !> A field that moves on by more than this share of the spacing is no guess.
    real(wp), parameter :: farthest = 0.5_wp
+   !> Old tiles are looked for as far as this, over the spacing.
+   real(wp), parameter :: nearest_tile = 1.5_wp
 
 contains
 
@@ -29,7 +33,7 @@ contains
       real(wp), intent(out) :: unknowns(:)
       !> Is there a motion to go on with? Else the unknowns are zero.
       logical, intent(out) :: has_guess
-      integer, allocatable :: place(:, :)
+      real(wp) :: motion(2, system%cells%n_nodes)
       integer :: node
       real(wp) :: scale
 
@@ -39,11 +43,13 @@ contains
       if (.not. has_guess) return
       associate (last => system%last_motion)
          scale = (system%end_time - system%start_time)/last%duration
-         call place_nodes(last%node_index, system%cells%node_index, place)
+         if (allocated(last%corner_node)) then
+            call follow_corners(system, motion)
+         else
+            call follow_places(system, motion)
+         end if
          do node = 1, system%cells%n_nodes
-            associate (value => scale*motion_near(last%increment, place, &
-                                                  system%cells%node_index(:, node)), &
-                       dof => system%dofs%dof(:, node))
+            associate (value => scale*motion(:, node), dof => system%dofs%dof(:, node))
                if (dof(1) > 0) unknowns(dof(1)) = value(1)
                if (dof(2) > 0) unknowns(dof(2)) = value(2)
             end associate
@@ -54,6 +60,55 @@ contains
       has_guess = maxval(abs(unknowns)) <= farthest*model%grid%smallest_spacing()
       if (.not. has_guess) unknowns = 0.0_wp
    end subroutine guess_motion
+
+   !> Motions of the nodes that stood where nodes stand now.
+   pure subroutine follow_places(system, motion)
+      type(system_type), intent(in) :: system
+      !> Last motion of what is now at every node, length units.
+      real(wp), intent(out) :: motion(:, :)
+      integer, allocatable :: place(:, :)
+      integer :: node
+
+      call place_nodes(system%last_motion%node_index, system%cells%node_index, place)
+      do node = 1, size(motion, 2)
+         motion(:, node) = motion_near(system%last_motion%increment, place, &
+                                       system%cells%node_index(:, node))
+      end do
+   end subroutine follow_places
+
+   !> Where several nodes may stand at one place: the motion of that on which one of the corners of a
+   !> node hung there; of new nodes, the mean motion of their corners.
+   pure subroutine follow_corners(system, motion)
+      type(system_type), intent(in) :: system
+      !> See `follow_places`.
+      real(wp), intent(out) :: motion(:, :)
+      real(wp) :: total(2, size(motion, 2))
+      integer :: before(size(motion, 2)), n(size(motion, 2)), c, j, k
+
+      before = 0
+      n = 0
+      total = 0.0_wp
+      associate (last => system%last_motion, map => system%map)
+         do c = 1, size(map%node, 2)
+            do k = 1, 4
+               if (.not. abs(map%shape(k, c)) > 0.0_wp) cycle
+               associate (node => map%node(k, c))
+                  n(node) = n(node) + 1
+                  total(:, node) = total(:, node) + last%corner_increment(:, c)
+                  do j = 1, 4
+                     if (all(last%node_index(:, last%corner_node(j, c)) &
+                             == system%cells%node_index(:, node))) &
+                        before(node) = last%corner_node(j, c)
+                  end do
+               end associate
+            end do
+         end do
+         motion = total/spread(real(max(n, 1), wp), 1, 2)
+         do k = 1, size(motion, 2)
+            if (before(k) > 0) motion(:, k) = last%increment(:, before(k))
+         end do
+      end associate
+   end subroutine follow_corners
 
    !> Where the nodes of the last step are, on a window that holds those of both steps and a margin:
    !> their numbers, or 0.
@@ -110,11 +165,67 @@ contains
       associate (last => system%last_motion)
          last%node_index = system%cells%node_index
          last%increment = system%increment
+         if (allocated(system%surfaces)) then
+            last%corner_node = system%map%node
+            last%corner_increment = system%map%increment
+         end if
          last%duration = system%end_time - system%start_time
          last%free = free_motions(system%border)
          last%residuals = residuals
       end associate
    end subroutine remember_motion
+
+   !> Let the corners of new tiles take what is remembered of old ones: each that of the nearest corner
+   !> of the tile that was nearest, so that both sides of a surface keep their own.
+   pure subroutine carry_motion(system, model, old_tiling, old_body)
+      !> System between two steps, with surfaces that meet.
+      type(system_type), intent(inout) :: system
+      !> Scene with new tiles.
+      type(model_type), intent(in) :: model
+      !> Old tiles and their bodies.
+      type(tiling_type), intent(in) :: old_tiling
+      integer, intent(in) :: old_body(:)
+      type(bins_type) :: bins
+      real(wp) :: centre(2, size(old_body))
+      integer, allocatable :: near(:)
+      integer :: from(model%tiling%n_corners), k, p, v
+
+      if (.not. allocated(system%last_motion)) return
+      do p = 1, size(old_body)
+         centre(:, p) = tile_centroid(old_tiling%position(:, old_tiling%corner(:, p)))
+      end do
+      call new_bins(bins, centre, nearest_tile*model%grid%smallest_spacing())
+      from = 0
+      do p = 1, model%points%n_points
+         near = bins%near(model%points%position(:, p))
+         near = pack(near, old_body(near) == model%points%body(p))
+         if (size(near) == 0) cycle
+         k = near(nearest_of(centre(:, near), model%points%position(:, p)))
+         do v = 1, 4
+            associate (corner => model%tiling%corner(v, p), old => old_tiling%corner(:, k))
+               from(corner) = old(nearest_of(old_tiling%position(:, old), &
+                                          model%tiling%position(:, corner)))
+            end associate
+         end do
+      end do
+      ! without the motion of some corner there is no guess
+      if (any(from == 0)) then
+         deallocate (system%last_motion)
+      else
+         associate (last => system%last_motion)
+            last%corner_node = last%corner_node(:, from)
+            last%corner_increment = last%corner_increment(:, from)
+         end associate
+      end if
+   end subroutine carry_motion
+
+   !> Number of the nearest of several places.
+   pure function nearest_of(places, place) result(number)
+      real(wp), intent(in) :: places(:, :), place(2)
+      integer :: number
+
+      number = minloc((places(1, :) - place(1))**2 + (places(2, :) - place(2))**2, dim=1)
+   end function nearest_of
 
    !> Begin the next step without guess: it failed with one, or what drives the body changes.
    pure subroutine forget_motion(system)

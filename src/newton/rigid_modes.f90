@@ -121,7 +121,7 @@ contains
          do i = 1, 2
             if (system%dofs%fixity(i, node) == 0) cycle
             call add_hold(hold, model%grid%node_position( &
-                          system%cells%place_in_grid(system%cells%node_index(:, node))), &
+                          system%cells%node_index(:, node)), &
                           real([2 - i, i - 1], wp))
          end do
       end do

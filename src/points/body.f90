@@ -29,6 +29,8 @@ module coulter_points_body
       !> Number of the displacement field that carries it: bodies of one field are bonded where they
       !> touch, those of several press and rub (`coulter_contact_body_contact`).
       integer :: field = 1
+      !> Do its own surfaces press and rub where they meet? Else they stick within a cell.
+      logical :: meets_itself = .false.
       !> Mass per unit volume of the undeformed body, >= 0.
       real(wp) :: density = 0.0_wp
       !> Points per cell in each direction.

@@ -4,6 +4,7 @@
 !> The grid carries both parts along with one field once they share a cell (theory, section 8).
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_points_folds
+   use coulter_base_bins, only: bins_type, new_bins
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: turn
    implicit none(type, external)
@@ -57,29 +58,24 @@ contains
       real(wp), intent(in) :: distance
       type(edges_type) :: edges
       type(fold_type) :: fold
-      integer, allocatable :: head(:, :)
-      integer :: after(size(edge, 2)), cell(2, size(edge, 2)), e, f, i, j, n
+      type(bins_type) :: bins
+      integer, allocatable :: near(:)
+      integer :: e, k, n
       logical :: do_meet
 
       allocate (folds(16))
       n = 0
-      if (size(edge, 2) > 0) then
-         call measure_edges(edges, position, edge)
-         call sort_edges(edges, distance, cell, head, after)
-      end if
+      call measure_edges(edges, position, edge)
+      call new_bins(bins, edges%middle, distance + maxval([0.0_wp, norm2(edges%last - edges%first, &
+                                                                         dim=1)]))
       do e = 1, size(edge, 2)
-         do j = cell(2, e) - 1, cell(2, e) + 1
-            do i = cell(1, e) - 1, cell(1, e) + 1
-               f = head(i, j)
-               do while (f > 0)
-                  call meet(fold, edges, e, f, distance, do_meet)
-                  f = after(f)
-                  if (.not. do_meet) cycle
-                  if (n == size(folds)) folds = [folds, folds]
-                  n = n + 1
-                  folds(n) = fold
-               end do
-            end do
+         near = bins%near(edges%middle(:, e))
+         do k = 1, size(near)
+            call meet(fold, edges, e, near(k), distance, do_meet)
+            if (.not. do_meet) cycle
+            if (n == size(folds)) folds = [folds, folds]
+            n = n + 1
+            folds(n) = fold
          end do
       end do
       folds = folds(:n)
@@ -111,32 +107,6 @@ contains
          if (edges%next(e) > 0) edges%previous(edges%next(e)) = e
       end do
    end subroutine measure_edges
-
-   !> Lists of the edges whose middles lie in the cells of a lattice; those that may meet are in
-   !> neighbouring cells.
-   pure subroutine sort_edges(edges, distance, cell, head, after)
-      type(edges_type), intent(in) :: edges
-      real(wp), intent(in) :: distance
-      !> Cell of every edge, shape (2, n); first edge of every cell, with a margin; next edge in the
-      !> cell, shape (n).
-      integer, intent(out) :: cell(:, :), after(:)
-      integer, allocatable, intent(out) :: head(:, :)
-      real(wp) :: lower(2), width
-      integer :: e
-
-      width = distance + maxval(norm2(edges%last - edges%first, dim=1))
-      lower = minval(edges%middle, dim=2)
-      do e = 1, size(after)
-         cell(:, e) = int((edges%middle(:, e) - lower)/width)
-      end do
-      allocate (head(-1:maxval(cell(1, :)) + 1, -1:maxval(cell(2, :)) + 1), source=0)
-      do e = 1, size(after)
-         associate (first => head(cell(1, e), cell(2, e)))
-            after(e) = first
-            first = e
-         end associate
-      end do
-   end subroutine sort_edges
 
    !> Do two edges meet, and how?
    pure subroutine meet(fold, edges, e, f, distance, answer)

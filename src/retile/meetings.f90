@@ -52,7 +52,7 @@ contains
                folds(k)%body = [minval(body), maxval(body)]
             end associate
          end do
-         if (allocated(model%tiling%field)) call drop_contacts(folds, model, deepest*h)
+         if (size(model%body_contacts) > 0) call drop_contacts(folds, model, deepest*h)
          k = minloc(folds%gap, dim=1)
          call move_alloc(folds, system%folds)
          if (k == 0) return
@@ -69,10 +69,19 @@ contains
       real(wp), intent(in) :: depth
       integer :: k
 
-      folds = pack(folds, [(model%bodies(folds(k)%body(1))%field &
-                            == model%bodies(folds(k)%body(2))%field &
-                            .or. folds(k)%gap <= -depth, k=1, size(folds))])
+      folds = pack(folds, [(.not. are_apart(model, folds(k)%body) .or. folds(k)%gap <= -depth, &
+                            k=1, size(folds))])
    end subroutine drop_contacts
+
+   !> Do surfaces of two bodies, or of one, press against each other?
+   pure function are_apart(model, body) result(answer)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body(2)
+      logical :: answer
+
+      answer = model%bodies(body(1))%field /= model%bodies(body(2))%field
+      if (body(1) == body(2)) answer = model%bodies(body(1))%meets_itself
+   end function are_apart
 
    !> Leave out surfaces with a face of a tool between them.
    pure subroutine drop_separated(folds, boundary, motion)

@@ -52,7 +52,9 @@ contains
          call trace_outline(outline, model%tiling%position, edges_of_body(interfaces, b), &
                             smallest_loop*product(edge))
          call keep_ends(outline, interfaces)
-         call join_surfaces(outline, model, smallest_loop*product(edge))
+         if (.not. model%bodies(b)%meets_itself) then
+            call join_surfaces(outline, model, smallest_loop*product(edge))
+         end if
          call trim_outline(outline, model%boundaries, model%grid%smallest_spacing())
          call tile_outline(outline, model%grid%origin, edge, vertices)
          call settle_corners(vertices, model, b, interfaces)

@@ -11,6 +11,7 @@ module coulter_retile
    use coulter_law, only: law_response_type, law_visit_type, n_plane
    use coulter_model, only: model_type
    use coulter_model_observer, only: add_warning, step_report_type
+   use coulter_newton_guess, only: carry_motion
    use coulter_points, only: points_type
    use coulter_points_folds, only: fold_type
    use coulter_points_parts, only: find_parts, part_type
@@ -122,7 +123,7 @@ contains
       type(points_type) :: points
       type(held_edge_type), allocatable :: held(:)
       type(loaded_edge_type), allocatable :: loaded(:)
-      integer, allocatable :: owner(:)
+      integer, allocatable :: owner(:), old_body(:)
 
       call make_tiles(model, tiling, owner, has_failed)
       if (has_failed) return
@@ -138,13 +139,17 @@ contains
       call move_alloc(held, system%held_edges)
       call move_alloc(loaded, system%loaded_edges)
       old_tiling = model%tiling
+      old_body = model%points%body
       model%tiling = tiling
       model%points = points
       call limit_pulls(model)
       ! what else hangs on flow begins anew: sand that drops its contacts finds no balance otherwise
       if (allocated(model%points%has_flowed)) model%points%has_flowed = .false.
       call carry_contacts(system, model, old_tiling)
-      if (allocated(system%surfaces)) call carry_surfaces(system, model)
+      if (allocated(system%surfaces)) then
+         call carry_surfaces(system, model)
+         call carry_motion(system, model, old_tiling, old_body)
+      end if
       system%way_since_tiling = 0.0_wp
    end subroutine retile_model
 

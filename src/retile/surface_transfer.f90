@@ -5,6 +5,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_retile_surface_transfer
    use coulter_assembly_contact_forces, only: band_penalties
+   use coulter_base_bins, only: bins_type, new_bins
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: distance_to_segment
    use coulter_contact_surface_pairs, only: find_surface_pairs, surface_pair_type
@@ -27,23 +28,31 @@ contains
       !> Scene with the new tiles.
       type(model_type), intent(in) :: model
       type(surface_pair_type), allocatable :: pairs(:)
+      type(surface_pair_type), allocatable :: last(:)
+      type(bins_type) :: bins
       integer :: k
 
       call find_surface_pairs(pairs, model%body_contacts, model%tiling, model%points%body, &
                               model%grid%smallest_spacing())
+      last = pack(system%surfaces%last, system%surfaces%last%is_acting)
+      call new_bins(bins, reshape([(last(k)%place, k=1, size(last))], [2, size(last)]), &
+                    farthest*model%grid%smallest_spacing())
       do k = 1, size(pairs)
-         call ask(pairs(k), system%surfaces%last, model)
+         call ask(pairs(k), last, bins, model)
       end do
       call move_alloc(pairs, system%surfaces%last)
    end subroutine carry_surfaces
 
    !> State at the place of a new pair: the middle of its half edge.
-   pure subroutine ask(new, last, model)
+   pure subroutine ask(new, last, bins, model)
       type(surface_pair_type), intent(inout) :: new
+      !> Old ones that acted, and their places.
       type(surface_pair_type), intent(in) :: last(:)
+      type(bins_type), intent(in) :: bins
       type(model_type), intent(in) :: model
       real(wp) :: place(2), along(2), shear, distance, nearest
-      integer :: k, found
+      integer, allocatable :: near(:)
+      integer :: j, k, found
 
       associate (ends => model%tiling%position(:, new%corner([new%vertex, 5, 6])))
          along = ends(:, 2) - ends(:, 1)
@@ -51,8 +60,10 @@ contains
       end associate
       found = 0
       nearest = farthest*model%grid%smallest_spacing()
-      do k = 1, size(last)
-         if (last(k)%contact /= new%contact .or. .not. last(k)%is_acting) cycle
+      near = bins%near(place)
+      do j = 1, size(near)
+         k = near(j)
+         if (last(k)%contact /= new%contact) cycle
          distance = norm2(last(k)%place - place)
          if (distance >= nearest) cycle
          nearest = distance
@@ -66,7 +77,7 @@ contains
       new%place = place
       if (.not. model%body_contacts(new%contact)%rubs()) return
       associate (stress => model%points%converged%kirchhoff_stress([1, 4, 4, 2], new%tile))
-         shear = dot_product(along/new%length, matmul(reshape(stress, [2, 2]), new%inward)) &
+         shear = dot_product(along/norm2(along), matmul(reshape(stress, [2, 2]), new%inward)) &
             /model%points%volume_ratio(new%tile)
       end associate
       associate (penalty => band_penalties(model, new%tile, &

@@ -39,9 +39,11 @@ contains
       type(model_type), intent(in) :: model
       !> First corner outside the grid, else 0.
       integer, intent(out) :: first_outside
+      logical, allocatable :: is_loose(:)
       integer :: p
 
-      call map_tiles(system%map, system%cells, model%tiling, model%grid, first_outside)
+      if (size(model%body_contacts) > 0) is_loose = model%bodies(model%points%body)%meets_itself
+      call map_tiles(system%map, system%cells, model%tiling, model%grid, first_outside, is_loose)
       if (first_outside > 0) return
       if (allocated(model%tiling%patch)) then
          if (.not. allocated(system%tile_patches)) allocate (system%tile_patches)
@@ -113,7 +115,7 @@ contains
       call gather_mass(system, model)
       call make_room(system, size(model%boundaries))
       elements = joined(system%groups%elements, faces%elements)
-      if (allocated(model%tiling%field)) then
+      if (size(model%body_contacts) > 0) then
          call meet_surfaces(system, model)
          elements = joined(elements, system%surfaces%coupling%elements)
       end if

@@ -63,7 +63,10 @@ contains
             report%stations = [report%stations, station_report_type( &
                                boundary=-pair%contact, slip=pair%slip, position=pair%place, &
                                weight=pair%weight, traction=pair%traction)]
-            if (model%body_contacts(pair%contact)%softer == 1) then
+            if (model%body_contacts(pair%contact)%is_within()) then
+               ! a body does nothing to itself
+               sum%force = 0.0_wp
+            else if (model%body_contacts(pair%contact)%softer == 1) then
                sum%force = sum%force + pair%force
             else
                sum%force = sum%force - pair%force

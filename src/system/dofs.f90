@@ -7,6 +7,7 @@ module coulter_system_dofs
    use coulter_grid_cells, only: cells_type
    use coulter_grid_shape, only: shape_values_2d
    use coulter_model, only: fixity_type
+   use coulter_system_leading_cell, only: nearest_leading_cell
    implicit none(type, external)
    private
    public :: dofs_type, number_dofs, nodes_of_filled_cells, couple_cells, expand, reduce
@@ -31,9 +32,6 @@ module coulter_system_dofs
       !> Their shares, shape (4, n_outer).
       real(wp), allocatable :: share(:, :)
    end type dofs_type
-
-   !> Cells farther away than this many others belong to something else and do not lead.
-   integer, parameter :: farthest_ring = 4
 
 contains
 
@@ -200,7 +198,7 @@ contains
       do f = 1, size(fixities)
          if (.not. fixities(f)%is_active) cycle
          do node = 1, cells%n_nodes
-            position = grid%node_position(cells%place_in_grid(cells%node_index(:, node)))
+            position = grid%node_position(cells%node_index(:, node))
             if (any(position < fixities(f)%lower - slack)) cycle
             if (any(position > fixities(f)%upper + slack)) cycle
             where (fixities(f)%is_held)
@@ -223,7 +221,7 @@ contains
       allocate (dofs%master(4, dofs%n_outer), dofs%share(4, dofs%n_outer))
       do k = 1, dofs%n_outer
          associate (index => cells%node_index(:, dofs%outer(k)))
-            c = nearest_leading_cell(grid, cells, may_lead, fill, index)
+            c = nearest_leading_cell(grid, cells, may_lead, fill, dofs%outer(k))
             if (c == 0) then
                call set_free(dofs, k)
                cycle
@@ -245,42 +243,6 @@ contains
       dofs%master(:, k) = dofs%outer(k)
       dofs%share(:, k) = 0.0_wp
    end subroutine set_free
-
-   !> Number of the leading cell whose centre is nearest to a node; the fuller one if several are;
-   !> 0 if none is near.
-   pure function nearest_leading_cell(grid, cells, may_lead, fill, node) result(nearest)
-      type(grid_type), intent(in) :: grid
-      type(cells_type), intent(in) :: cells
-      logical, intent(in) :: may_lead(:)
-      real(wp), intent(in) :: fill(:)
-      integer, intent(in) :: node(2)
-      integer :: nearest
-      integer :: ring, last_ring, i, j, c
-      real(wp) :: distance, least
-
-      nearest = 0
-      least = huge(least)
-      last_ring = farthest_ring
-      ring = 0
-      do while (ring <= last_ring)
-         do j = node(2) - 1 - ring, node(2) + ring
-            do i = node(1) - 1 - ring, node(1) + ring
-               if (max(abs(2*(i - node(1)) + 1), abs(2*(j - node(2)) + 1)) /= 2*ring + 1) cycle
-               c = cells%number_at([i, j])
-               if (c == 0 .or. c > size(may_lead)) cycle
-               if (.not. may_lead(c)) cycle
-               distance = sum(((real([i, j] - node, wp) + 0.5_wp)*grid%spacing)**2) &
-                  - 1.0e-6_wp*grid%smallest_spacing()**2*fill(c)
-               if (distance >= least) cycle
-               least = distance
-               nearest = c
-               ! a corner of this ring may be farther than the sides of the next
-               last_ring = min(last_ring, 2*ring + 1)
-            end do
-         end do
-         ring = ring + 1
-      end do
-   end function nearest_leading_cell
 
    !> Number of cells with at least one outer node.
    pure function count_outer_cells(dofs, cells) result(n)

@@ -39,20 +39,23 @@ contains
       integer :: c, axis, beside, step(2)
 
       do c = 1, cells%n_cells
-         is_near(c) = fill(c) < full .or. has_inactive_neighbour(cells, cells%cell_index(:, c))
+         is_near(c) = fill(c) < full .or. has_inactive_neighbour(cells, c)
       end do
-      allocate (ghost%node(3, 2, 2*cells%n_cells), ghost%cell(2*cells%n_cells))
+      allocate (ghost%node(3, 2, most_faces(cells)), ghost%cell(most_faces(cells)))
       do c = 1, cells%n_cells
          do axis = 1, 2
             step = 0
             step(axis) = 1
-            beside = cells%number_at(cells%cell_index(:, c) + step)
-            if (beside == 0) cycle
-            if (.not. (is_near(c) .or. is_near(beside))) cycle
-            ghost%n_faces = ghost%n_faces + 1
-            ghost%cell(ghost%n_faces) = c
-            ghost%node(:, :, ghost%n_faces) = face_nodes(cells%node(:, c), cells%node(:, beside), &
-                                                         axis)
+            beside = cells%next_beside(c, step, 0)
+            do while (beside > 0)
+               if (is_near(c) .or. is_near(beside)) then
+                  ghost%n_faces = ghost%n_faces + 1
+                  ghost%cell(ghost%n_faces) = c
+                  ghost%node(:, :, ghost%n_faces) = face_nodes(cells%node(:, c), &
+                                                               cells%node(:, beside), axis)
+               end if
+               beside = cells%next_beside(c, step, beside)
+            end do
          end do
       end do
    end subroutine find_ghost_faces
@@ -120,19 +123,39 @@ contains
       end if
    end function face_nodes
 
-   !> Is one of the eight cells around a cell inactive?
-   pure function has_inactive_neighbour(cells, index) result(answer)
+   !> Is one of the eight cells around a cell inactive, or another sheet?
+   pure function has_inactive_neighbour(cells, cell) result(answer)
       type(cells_type), intent(in) :: cells
-      integer, intent(in) :: index(2)
+      integer, intent(in) :: cell
       logical :: answer
       integer :: i, j
 
       answer = .false.
       do j = -1, 1
          do i = -1, 1
-            answer = answer .or. cells%number_at(index + [i, j]) == 0
+            if (i == 0 .and. j == 0) cycle
+            answer = answer .or. .not. cells%has_beside(cell, [i, j])
          end do
       end do
    end function has_inactive_neighbour
+
+   !> Room for two faces a cell, each to all sheets beside it.
+   pure function most_faces(cells) result(n)
+      type(cells_type), intent(in) :: cells
+      integer :: n
+      integer :: c, k, sheets
+
+      n = 2*cells%n_cells
+      if (.not. allocated(cells%next_sheet)) return
+      do c = 1, cells%n_cells
+         sheets = 1
+         k = cells%next_sheet(c)
+         do while (k > 0)
+            sheets = sheets + 1
+            k = cells%next_sheet(k)
+         end do
+         n = max(n, 2*sheets*cells%n_cells)
+      end do
+   end function most_faces
 
 end module coulter_system_ghost

@@ -66,7 +66,7 @@ contains
       !> Corners in the order of their stars.
       integer, intent(in) :: order(:)
       type(tile_map_type), intent(in) :: map
-      integer :: group(size(order)), group_at(size(map%node_area), 0:15), c, i, nodes, n
+      integer :: group(size(order)), group_at(size(map%fill), 0:15), c, i, nodes, n
 
       group_at = 0
       n = 0
@@ -74,7 +74,7 @@ contains
          c = order(i)
          ! corners on grid lines hang on some of the nodes of their cell
          nodes = sum([1, 2, 4, 8], mask=abs(map%shape(:, c)) > 0.0_wp)
-         associate (here => group_at(map%node(1, c), nodes))
+         associate (here => group_at(map%cell(c), nodes))
             if (here == 0) then
                n = n + 1
                here = n

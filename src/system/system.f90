@@ -35,6 +35,10 @@ module coulter_system
       !> How far it moved, length units, shape (2, n_nodes), and in what time.
       real(wp), allocatable :: increment(:, :)
       real(wp) :: duration = 0.0_wp
+      !> Where several nodes may stand at one place: the nodes that every corner hung on, shape
+      !> (4, n_corners), and how far it moved, length units, shape (2, n_corners).
+      integer, allocatable :: corner_node(:, :)
+      real(wp), allocatable :: corner_increment(:, :)
       !> Free motions of tools, length units, shape (border%n).
       real(wp), allocatable :: free(:)
       !> Relative residuals of the iteration that found it.

@@ -6,12 +6,15 @@ module coulter_system_tile_map
    use coulter_grid_cells, only: bridge_corners, cells_type, find_cells, number_cells, number_nodes
    use coulter_grid_shape, only: shape_values_2d
    use coulter_points_tiling, only: corner_gradients, tiling_type, values_at
+   use coulter_system_sheets, only: bridge_sheets, split_sheets
    implicit none(type, external)
    private
    public :: tile_map_type, map_tiles, interpolate, spread_to_nodes
 
    !> Corner-to-node map of a step, with the geometry of the tiles at its start.
    type :: tile_map_type
+      !> Cell of every corner, shape (n_corners).
+      integer, allocatable :: cell(:)
       !> Nodes of the cell of every corner, shape (4, n_corners).
       integer, allocatable :: node(:, :)
       !> Shape functions of these nodes at the corner, shape (4, n_corners).
@@ -37,14 +40,10 @@ module coulter_system_tile_map
    real(wp), parameter :: smallest_shape = 1.0e-13_wp
    !> Samples per direction and tile for the share of cells that is filled.
    integer, parameter :: n_samples = 3
-   !> Empty rows between the cells of two displacement fields: no cell must look like a neighbour of
-   !> one in another field.
-   integer, parameter :: rows_between = 12
-
 contains
 
    !> Locate all tiles; number cells and nodes.
-   pure subroutine map_tiles(map, cells, tiling, grid, first_outside)
+   pure subroutine map_tiles(map, cells, tiling, grid, first_outside, is_loose)
       !> Map to make.
       type(tile_map_type), intent(out) :: map
       !> Active cells and nodes to make.
@@ -55,11 +54,14 @@ contains
       type(grid_type), intent(in) :: grid
       !> First corner outside the grid, else 0; then nothing is made.
       integer, intent(out) :: first_outside
+      !> Where surfaces of bodies move apart: do tiles hang together by common corners only, shape
+      !> (n_tiles)? Else with all of their displacement field that share a node with them.
+      logical, intent(in), optional :: is_loose(:)
       real(wp), allocatable :: samples(:, :)
       real(wp) :: inside(2, tiling%n_corners)
-      integer, allocatable :: index(:, :), of_corners(:, :)
+      integer, allocatable :: index(:, :), of_corners(:, :), home(:)
       logical :: is_straddling(size(tiling%corner, 2))
-      integer :: n
+      integer :: n, k, p
 
       n = tiling%n_corners
       call move_inside(tiling, inside)
@@ -73,39 +75,22 @@ contains
       index(:, :n) = of_corners
       call find_cells(grid, samples, index(:, n + 1:), first_outside)
       if (first_outside > 0) return
-      if (allocated(tiling%field)) then
-         cells%rows_per_field = grid%n_cells(2) + rows_between
-         call shift_rows(index, tiling, is_straddling, cells%rows_per_field)
-      end if
       call number_cells(cells, grid, index)
-      call bridge_corners(cells)
+      if (.not. present(is_loose)) call bridge_corners(cells)
       call number_nodes(cells)
+      home = [(cells%cell_at(index(1, k), index(2, k)), k=1, size(index, 2))]
+      if (present(is_loose)) then
+         associate (straddling => pack([(p, p=1, size(is_straddling))], is_straddling))
+            call split_sheets(cells, home, tiling, [(spread(straddling(p), 1, n_samples**2), &
+                                                     p=1, size(straddling))], is_loose)
+         end associate
+         call bridge_sheets(cells)
+      end if
       call measure_tiles(map, tiling)
-      call measure_fill(map, cells, grid, tiling, is_straddling, index)
-      call map_corners(map, cells, tiling, grid, index)
+      call measure_fill(map, cells, grid, tiling, is_straddling, home)
+      call map_corners(map, cells, tiling, grid, home)
       call measure_nodes(map, cells, tiling, grid)
    end subroutine map_tiles
-
-   !> Give every displacement field rows of cells of its own.
-   pure subroutine shift_rows(index, tiling, is_straddling, rows_per_field)
-      !> Grid index of the cells of all corners, then of all samples.
-      integer, intent(inout) :: index(:, :)
-      type(tiling_type), intent(in) :: tiling
-      logical, intent(in) :: is_straddling(:)
-      integer, intent(in) :: rows_per_field
-      integer :: row(tiling%n_corners), n, p
-
-      n = tiling%n_corners
-      do p = 1, size(tiling%field)
-         associate (first_row => (tiling%field(p) - 1)*rows_per_field)
-            row(tiling%corner(:, p)) = first_row
-            if (.not. is_straddling(p)) cycle
-            index(2, n + 1:n + n_samples**2) = index(2, n + 1:n + n_samples**2) + first_row
-            n = n + n_samples**2
-         end associate
-      end do
-      index(2, :size(row)) = index(2, :size(row)) + row
-   end subroutine shift_rows
 
    !> Displacement increments of the corners from those of the nodes.
    pure subroutine interpolate(map, nodal)
@@ -224,27 +209,27 @@ contains
    end subroutine measure_tiles
 
    !> Share of every cell that is filled.
-   pure subroutine measure_fill(map, cells, grid, tiling, is_straddling, index)
+   pure subroutine measure_fill(map, cells, grid, tiling, is_straddling, home)
       type(tile_map_type), intent(inout) :: map
       type(cells_type), intent(in) :: cells
       type(grid_type), intent(in) :: grid
       type(tiling_type), intent(in) :: tiling
       logical, intent(in) :: is_straddling(:)
-      !> Grid index of the cells of all corners, then of all samples.
-      integer, intent(in) :: index(:, :)
+      !> Cells of all corners, then of all samples.
+      integer, intent(in) :: home(:)
       integer :: p, k, n
 
       allocate (map%fill(cells%n_cells), source=0.0_wp)
-      call choose_tiles(map, cells, tiling, index)
+      call choose_tiles(map, cells, tiling, home)
       n = tiling%n_corners
       do p = 1, size(map%area)
          if (.not. is_straddling(p)) then
-            call add_area(map, cells, p, index(:, tiling%corner(1, p)), map%area(p))
+            call add_area(map, p, home(tiling%corner(1, p)), map%area(p))
             cycle
          end if
          do k = 1, n_samples**2
             n = n + 1
-            call add_area(map, cells, p, index(:, n), map%area(p)/real(n_samples**2, wp))
+            call add_area(map, p, home(n), map%area(p)/real(n_samples**2, wp))
          end do
       end do
       map%fill = map%fill/grid%cell_volume()
@@ -252,53 +237,48 @@ contains
 
    !> A tile with a corner in every cell; cells that only bridge corners take one of a cell beside
    !> them. Tiles that fill a cell replace it later.
-   pure subroutine choose_tiles(map, cells, tiling, index)
+   pure subroutine choose_tiles(map, cells, tiling, home)
       type(tile_map_type), intent(inout) :: map
       type(cells_type), intent(in) :: cells
       type(tiling_type), intent(in) :: tiling
-      !> Grid index of the cells of all corners, and of samples.
-      integer, intent(in) :: index(:, :)
+      !> Cells of all corners, and of samples.
+      integer, intent(in) :: home(:)
       integer, parameter :: beside(2, 4) = reshape([-1, 0, 1, 0, 0, -1, 0, 1], [2, 4])
       integer :: p, v, c, other
 
       allocate (map%tile_in_cell(cells%n_cells), source=0)
       do p = 1, size(map%area)
          do v = 1, 4
-            associate (at => index(:, tiling%corner(v, p)))
-               map%tile_in_cell(cells%cell_at(at(1), at(2))) = p
-            end associate
+            map%tile_in_cell(home(tiling%corner(v, p))) = p
          end do
       end do
       do c = 1, cells%n_cells
          do v = 1, 4
             if (map%tile_in_cell(c) > 0) exit
-            other = cells%number_at(cells%cell_index(:, c) + beside(:, v))
+            other = cells%next_beside(c, beside(:, v), 0)
             if (other > 0) map%tile_in_cell(c) = map%tile_in_cell(other)
          end do
       end do
    end subroutine choose_tiles
 
    !> Let a tile fill a part of a cell.
-   pure subroutine add_area(map, cells, tile, index, area)
+   pure subroutine add_area(map, tile, cell, area)
       type(tile_map_type), intent(inout) :: map
-      type(cells_type), intent(in) :: cells
-      integer, intent(in) :: tile, index(2)
+      integer, intent(in) :: tile, cell
       real(wp), intent(in) :: area
-      integer :: c
 
-      c = cells%cell_at(index(1), index(2))
-      map%fill(c) = map%fill(c) + area
-      map%tile_in_cell(c) = tile
+      map%fill(cell) = map%fill(cell) + area
+      map%tile_in_cell(cell) = tile
    end subroutine add_area
 
    !> Nodes and shape functions of all corners.
-   pure subroutine map_corners(map, cells, tiling, grid, index)
+   pure subroutine map_corners(map, cells, tiling, grid, home)
       type(tile_map_type), intent(inout) :: map
       type(cells_type), intent(in) :: cells
       type(tiling_type), intent(in) :: tiling
       type(grid_type), intent(in) :: grid
-      !> Grid index of the cells of all corners.
-      integer, intent(in) :: index(:, :)
+      !> Cells of all corners.
+      integer, intent(in) :: home(:)
       real(wp) :: origin(2), spacing(2)
       integer :: k
 
@@ -306,10 +286,11 @@ contains
       spacing = grid%spacing
       allocate (map%node(4, tiling%n_corners), map%shape(4, tiling%n_corners))
       allocate (map%increment(2, tiling%n_corners), source=0.0_wp)
+      map%cell = home(:tiling%n_corners)
       do k = 1, tiling%n_corners
-         map%node(:, k) = cells%node(:, cells%cell_at(index(1, k), index(2, k)))
+         map%node(:, k) = cells%node(:, map%cell(k))
          map%shape(:, k) = shape_values_2d((tiling%position(:, k) - origin)/spacing &
-                                           - real(cells%place_in_grid(index(:, k)) - 1, wp))
+                                           - real(cells%cell_index(:, map%cell(k)) - 1, wp))
          where (abs(map%shape(:, k)) < smallest_shape) map%shape(:, k) = 0.0_wp
       end do
    end subroutine map_corners
