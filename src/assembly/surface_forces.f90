@@ -311,8 +311,9 @@ contains
          if (k == 0) return
          if (abs(pairs(k)%way) <= reach_along*model%grid%smallest_spacing()) return
          associate (body => model%body_contacts(pairs(k)%contact)%body)
-            failure = "bodies "//model%bodies(body(1))%name//" and "//model%bodies(body(2))%name &
-               //" slide along each other by "//to_text(abs(pairs(k)%way), 2) &
+            failure = "bodies "//model%bodies(body(1))%name//" and "//model%bodies(body(2))%name
+            if (body(1) == body(2)) failure = "parts of body "//model%bodies(body(1))%name
+            failure = failure//" slide along each other by "//to_text(abs(pairs(k)%way), 2) &
                //" in one step, more than a cell"
          end associate
       end associate

@@ -67,7 +67,7 @@ module coulter_deck_schema
       group_rule_type("region", "1 or more", "What a body fills: a rectangle or polygon each." &
                       //" With cpdi2, what touches without &contact bonds."), &
       group_rule_type("contact", "any number", &
-                      "Two bodies that press and rub where they meet; needs cpdi2."), &
+                      "Surfaces of two bodies, or of one, that press and rub; needs cpdi2."), &
       group_rule_type("fixity", "any number", "Zero displacement at grid nodes."), &
       group_rule_type("boundary", "any number", &
                       "An implicit boundary: a polyline that need not match the grid."), &
@@ -161,7 +161,7 @@ module coulter_deck_schema
       variable_rule_type("contact", "body", "text", 1, 1, "", required, "", &
          "name of one body, whose force by the other is reported"), &
       variable_rule_type("contact", "against", "text", 1, 1, "", required, "", &
-         "name of the other body"), &
+         "name of the other body, or of the same for its surfaces among themselves"), &
       variable_rule_type("contact", "friction", "real", 1, 1, "", "0.0", ">= 0", &
          "coefficient of Coulomb friction"), &
       variable_rule_type("contact", "adhesion", "real", 1, 1, "stress", "0.0", ">= 0", &
