@@ -54,7 +54,7 @@ contains
    end subroutine meet_surfaces
 
    !> Leave out pairs within a body whose edges move as one: those that hang on the same nodes
-   !> wherever they share a place of the grid, as both faces of a thin strip and sides of a notch do.
+   !> wherever they share a place of the grid, as both faces of a thin strip and of a notch do.
    pure subroutine drop_joined(system, model)
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model

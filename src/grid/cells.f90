@@ -32,8 +32,8 @@ module coulter_grid_cells
       integer, allocatable :: point(:)
       !> Number of the active cell, or 0, at every cell of the window.
       integer, allocatable :: cell_at(:, :)
-      !> Where a cell of the grid is there several times, as sheets with nodes of their own, the next
-      !> one behind every cell, or 0, shape (n_cells); unallocated where none is.
+      !> Where a cell of the grid is there several times, as sheets with nodes of their own, the
+      !> next one behind every cell, or 0, shape (n_cells); unallocated where none is.
       integer, allocatable :: next_sheet(:)
    contains
       procedure :: number_at

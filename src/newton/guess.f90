@@ -76,8 +76,8 @@ contains
       end do
    end subroutine follow_places
 
-   !> Where several nodes may stand at one place: the motion of that on which one of the corners of a
-   !> node hung there; of new nodes, the mean motion of their corners.
+   !> Where several nodes may stand at one place: the motion of that on which one of the corners of
+   !> a node hung there; of new nodes, the mean motion of their corners.
    pure subroutine follow_corners(system, motion)
       type(system_type), intent(in) :: system
       !> See `follow_places`.
@@ -96,9 +96,9 @@ contains
                   n(node) = n(node) + 1
                   total(:, node) = total(:, node) + last%corner_increment(:, c)
                   do j = 1, 4
-                     if (all(last%node_index(:, last%corner_node(j, c)) &
-                             == system%cells%node_index(:, node))) &
-                        before(node) = last%corner_node(j, c)
+                     if (any(last%node_index(:, last%corner_node(j, c)) &
+                             /= system%cells%node_index(:, node))) cycle
+                     before(node) = last%corner_node(j, c)
                   end do
                end associate
             end do
@@ -175,8 +175,8 @@ contains
       end associate
    end subroutine remember_motion
 
-   !> Let the corners of new tiles take what is remembered of old ones: each that of the nearest corner
-   !> of the tile that was nearest, so that both sides of a surface keep their own.
+   !> Let the corners of new tiles take what is remembered of old ones: each that of the nearest
+   !> corner of the tile that was nearest, so that both sides of a surface keep their own.
    pure subroutine carry_motion(system, model, old_tiling, old_body)
       !> System between two steps, with surfaces that meet.
       type(system_type), intent(inout) :: system

@@ -264,8 +264,8 @@ contains
       cells%next_sheet = next(:n)
    end subroutine split_cells
 
-   !> Where two cells hang together at one node only, add sheets at the other two places around it: no
-   !> face would hold their nodes together (`bridge_corners`).
+   !> Where two cells hang together at one node only, add sheets at the other two places around it:
+   !> no face would hold their nodes together (`bridge_corners`).
    pure subroutine bridge_sheets(cells)
       !> Active cells with numbered nodes, with or without sheets.
       type(cells_type), intent(inout) :: cells
@@ -274,7 +274,8 @@ contains
       do c = 1, size(cells%node, 2)
          do side = -1, 1, 2
             other = cells%next_beside(c, [side, 1], 0)
-            if (other == 0 .or. cells%has_beside(c, [side, 0]) .or. cells%has_beside(c, [0, 1])) cycle
+            if (other == 0) cycle
+            if (cells%has_beside(c, [side, 0]) .or. cells%has_beside(c, [0, 1])) cycle
             call add_bridge(cells, c, other, cells%cell_index(:, c) + [side, 0])
             call add_bridge(cells, c, other, cells%cell_index(:, c) + [0, 1])
          end do
@@ -324,8 +325,8 @@ contains
 
          number = 0
          do j = 1, 4
-            if (all(cells%cell_index(:, cell) + cell_nodes_2d(:, j) == place)) &
-               number = cells%node(j, cell)
+            if (any(cells%cell_index(:, cell) + cell_nodes_2d(:, j) /= place)) cycle
+            number = cells%node(j, cell)
          end do
       end function node_at
 
