@@ -3,8 +3,8 @@
 !> What a node carries is its part of the material in the cells around it. Where that hangs together
 !> there, as nearly everywhere, the node is one; where surfaces face each other across less than
 !> that, every side gets a node of its own, so that both move as they like. Cells follow: one sheet
-!> for every set of nodes that tiles in it hang on. Compare the virtual nodes of Molino, N., Bao, Z.
-!> and Fedkiw, R. (2004), ACM Trans. Graph. 23, 385-392.
+!> for every set of nodes that tiles in it hang on (theory, section 8). Compare the virtual nodes of
+!> Molino, N., Bao, Z. and Fedkiw, R. (2004), ACM Trans. Graph. 23, 385-392.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_system_sheets
    use coulter_base_sets, only: join_sets, root_of
