@@ -19,6 +19,8 @@ module coulter_command_line
       character(len=:), allocatable :: deck_path
       !> Directory of the results.
       character(len=:), allocatable :: directory
+      !> Steps after which a run ends if there are more.
+      integer :: most_steps = huge(1)
       !> Is nothing but errors printed?
       logical :: is_quiet = .false.
    end type command_type
@@ -77,6 +79,9 @@ contains
          k = k + 1
          command%directory = argument(k)
          if (command%directory == "") call fatal_error(error, text//" needs a directory")
+      case ("--steps")
+         k = k + 1
+         call read_most_steps(command, argument(k), error)
       case default
          if (index(text, "-") == 1) then
             call fatal_error(error, "unknown option "//text//"; see coulter --help")
@@ -87,6 +92,21 @@ contains
          end if
       end select
    end subroutine read_argument
+
+   !> Parse the number of steps after which a run ends.
+   subroutine read_most_steps(command, text, error)
+      type(command_type), intent(inout) :: command
+      character(len=*), intent(in) :: text
+      type(error_type), allocatable, intent(out) :: error
+      integer :: status
+
+      status = 1
+      if (text /= "" .and. verify(text, "0123456789") == 0) then
+         read (text, *, iostat=status) command%most_steps
+      end if
+      if (status == 0 .and. command%most_steps > 0) return
+      call fatal_error(error, "--steps needs a whole number above 0, not """//text//"""")
+   end subroutine read_most_steps
 
    !> The k-th argument; empty when there is none.
    function argument(k) result(text)
@@ -113,6 +133,7 @@ contains
          "NAME_SAMPLE.csv.", "", &
          "  -o, --output DIR   where the results go (default: the current directory)", &
          "      --check        read and check the deck, report the scene, run nothing", &
+         "      --steps N      end the run after N steps", &
          "  -q, --quiet        print nothing but errors", &
          "      --deck-reference  print all groups and variables of a deck", &
          "      --version      print version and build", &

@@ -72,6 +72,7 @@ contains
       if (command%task == task_check) then
          call report_scene(model)
       else
+         model%schedule%most_steps = command%most_steps
          call run(model, output, deck)
       end if
    end subroutine compute

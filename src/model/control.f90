@@ -37,7 +37,10 @@ module coulter_model_control
       real(wp), allocatable :: end_time(:)
       !> Phases in their order; unallocated: a single one that holds all steps.
       type(phase_type), allocatable :: phases(:)
+      !> A run ends after so many steps if there are more: a look at how a scene begins.
+      integer :: most_steps = huge(1)
    contains
+      procedure :: n_steps
       procedure :: phase_of
       procedure :: share_of_phase
       procedure :: duration_of_phase
@@ -83,6 +86,14 @@ module coulter_model_control
    end type control_type
 
 contains
+
+   !> Number of steps that a run takes.
+   pure function n_steps(self) result(n)
+      class(schedule_type), intent(in) :: self
+      integer :: n
+
+      n = min(size(self%end_time), self%most_steps)
+   end function n_steps
 
    !> Number of the phase that holds a step.
    pure function phase_of(self, step) result(phase)

@@ -45,7 +45,7 @@ contains
       call write_count("unknowns", int(scene%n_dofs, long), &
                        grouped(int(scene%n_entries, long))//" matrix entries, " &
                        //bytes_text(scene%memory))
-      call write_count("steps", int(size(model%schedule%end_time), long), phases_text(model))
+      call write_count("steps", int(model%schedule%n_steps(), long), phases_text(model))
       call write_boundaries(unit, model)
       call write_contacts(unit, model)
       if (allocated(model%tiling)) call write_slivers(unit, model)
@@ -71,8 +71,10 @@ contains
       integer :: i
 
       text = ""
+      if (model%schedule%n_steps() < size(model%schedule%end_time)) text = "of " &
+         //to_text(size(model%schedule%end_time))//" "
       if (.not. allocated(model%schedule%phases)) return
-      text = "in phases"
+      text = text//"in phases"
       do i = 1, size(model%schedule%phases)
          if (i > 1) text = text//","
          text = text//" "//model%schedule%phases(i)%name

@@ -128,7 +128,7 @@ contains
       self%last_step = report%step
       call self%file%open()
       call put_history(self%history, self%file, model, report)
-      if (is_frame_due(self%output, report, size(model%schedule%end_time))) then
+      if (is_frame_due(self%output, report, model%schedule%n_steps())) then
          call keep_frame(self, model, report%load_factor, report%stations)
       end if
       call self%file%close(error)

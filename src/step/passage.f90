@@ -1,7 +1,9 @@
-!> Finds corners of bodies that a step has taken through a tool, or off the face that pushes them.
+!> Finds corners of bodies that a step has taken through a wall or a tool, or off the face that
+!> pushes them.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_passage
    use coulter_base_kinds, only: wp
+   use coulter_base_polygon, only: turn
    use coulter_base_text, only: to_text
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
@@ -16,28 +18,28 @@ module coulter_step_passage
    !> Depth behind a face beyond which a corner has passed it, over the penalty band: overlaps of
    !> contacts are smaller.
    real(wp), parameter :: passed = 0.5_wp
-   !> Corners that cross a face nearer to its ends than this, over the spacing, slide round them.
-   real(wp), parameter :: near_end = 0.5_wp
+   !> Corners that cross a face nearer to its ends than this, over the spacing, slide round them,
+   !> unless the next face turns towards the material by an angle with more than this sine.
+   real(wp), parameter :: near_end = 0.5_wp, pocket = 0.1_wp
 
 contains
 
-   !> Refuse a step that has taken a corner of a body through a face of a tool: it was too large for
-   !> a contact to see it.
+   !> Refuse a step that has taken a corner of a body through a face of a wall or a tool: it was too
+   !> large for a contact to see it.
    pure subroutine check_passage(model, system, failure)
       !> Scene at the start of the step.
       type(model_type), intent(in) :: model
       !> System in equilibrium.
       type(system_type), intent(in) :: system
-      !> Which corner has passed which tool; unallocated when none has.
+      !> Which corner has passed what; unallocated when none has.
       character(len=:), allocatable, intent(inout) :: failure
       type(motion_type) :: motion
       integer :: b, e
 
-      if (.not. any(model%boundaries%is_tool)) return
       call check_ends(model, system, failure)
       if (allocated(failure)) return
       do b = 1, size(model%boundaries)
-         if (.not. (model%boundaries(b)%is_tool .and. model%boundaries(b)%is_active)) cycle
+         if (model%boundaries(b)%is_bilateral .or. .not. model%boundaries(b)%is_active) cycle
          motion = whole_motion(system, model, b)
          do e = 1, size(model%tiling%outer_edge, 2)
             associate (corner => model%tiling%outer_edge(1, e))
@@ -47,12 +49,21 @@ contains
                                     model%grid%smallest_spacing())) cycle
                if (gives_way(system, corner, b)) cycle
                failure = "a corner of a body near ("//to_text(model%tiling%position(:, corner)) &
-                  //") would pass through tool "//model%boundaries(b)%name
+                  //") would pass through "//name_of(model%boundaries(b))
                return
             end associate
          end do
       end do
    end subroutine check_passage
+
+   !> What a wall or a tool is called.
+   pure function name_of(boundary) result(name)
+      type(boundary_type), intent(in) :: boundary
+      character(len=:), allocatable :: name
+
+      name = "boundary "//boundary%name
+      if (boundary%is_tool) name = "tool "//boundary%name
+   end function name_of
 
    !> May a corner get behind faces of a boundary, near an open end of one?
    pure function gives_way(system, corner, boundary) result(answer)
@@ -84,7 +95,7 @@ contains
             moved = motion_of(system, contact)
             place = place_on(contact%face, contact%offset, moved(:, 1))
             if (place%distance >= -slack .and. place%distance <= contact%face%length + slack) cycle
-            failure = "tool "//model%boundaries(contact%boundary)%name//" would push a corner" &
+            failure = name_of(model%boundaries(contact%boundary))//" would push a corner" &
                //" of a body near ("//to_text(model%tiling%position(:, contact%corner)) &
                //") that it has left"
             return
@@ -93,30 +104,48 @@ contains
    end subroutine check_ends
 
    !> Does a corner cross a face from its front and end up behind it?
-   pure function has_passed(tool, motion, position, increment, spacing) result(answer)
-      type(boundary_type), intent(in) :: tool
+   pure function has_passed(boundary, motion, position, increment, spacing) result(answer)
+      type(boundary_type), intent(in) :: boundary
       type(motion_type), intent(in) :: motion
       real(wp), intent(in) :: position(2), increment(2), spacing
       logical :: answer
       type(face_type) :: face
       type(place_type) :: before, after
-      real(wp) :: depth, at
+      real(wp) :: depth, at, margin(2)
       integer :: s
 
       answer = .true.
-      depth = passed*tool%band_ratio*spacing
-      do s = 1, size(tool%vertices, 2) - 1
-         call new_face(face, moved_by(motion, tool%vertices(:, s)), &
-                       moved_by(motion, tool%vertices(:, s + 1)), tool%bulge(s))
+      depth = passed*boundary%band_ratio*spacing
+      do s = 1, size(boundary%vertices, 2) - 1
+         call new_face(face, moved_by(motion, boundary%vertices(:, s)), &
+                       moved_by(motion, boundary%vertices(:, s + 1)), boundary%bulge(s))
          after = place_on(face, position - face%first, increment)
          if (after%gap > -depth) cycle
          before = place_on(face, moved_by(motion, position) - face%first, [0.0_wp, 0.0_wp])
          if (before%gap < -depth) cycle
          at = (max(before%gap, 0.0_wp)*after%distance - min(after%gap, 0.0_wp)*before%distance) &
             /(max(before%gap, 0.0_wp) - min(after%gap, 0.0_wp))
-         if (at > near_end*spacing .and. at < face%length - near_end*spacing) return
+         margin = near_end*spacing
+         if (is_pocket(boundary%vertices, s - 1)) margin(1) = 0.0_wp
+         if (is_pocket(boundary%vertices, s)) margin(2) = 0.0_wp
+         if (at > margin(1) .and. at < face%length - margin(2)) return
       end do
       answer = .false.
    end function has_passed
+
+   !> Do two faces that follow each other turn towards the material, on their left?
+   pure function is_pocket(vertices, s) result(answer)
+      real(wp), intent(in) :: vertices(:, :)
+      !> The first of both.
+      integer, intent(in) :: s
+      logical :: answer
+
+      answer = .false.
+      if (s < 1 .or. s > size(vertices, 2) - 2) return
+      associate (corner => vertices(:, s:s + 2))
+         answer = turn(corner(:, 1), corner(:, 2), corner(:, 3)) &
+            > pocket*norm2(corner(:, 2) - corner(:, 1))*norm2(corner(:, 3) - corner(:, 2))
+      end associate
+   end function is_pocket
 
 end module coulter_step_passage

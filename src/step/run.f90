@@ -41,7 +41,7 @@ contains
       call describe_system(model, system, scene, error)
       if (.not. allocated(error)) then
          call observer%start(model, scene, error)
-         do step = 1, size(model%schedule%end_time)
+         do step = 1, model%schedule%n_steps()
             if (allocated(error)) exit
             phase = model%schedule%phase_of(step)
             if (phase > model%schedule%phase_of(step - 1)) then

@@ -1,0 +1,105 @@
+"""Every deck of input/ does what it says. Nothing gets into tools and walls, no material is lost,
+forces balance, and what goes far is tiled anew and rubs no more than it may; what is meant to fail
+fails with its message.
+
+ctest has a row for every folder of input/ (tests/CMakeLists.txt); a new deck is found by itself.
+"""
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = Path(os.environ.get("COULTER_EXE") or os.environ.get("COULTER_PROGRAM")
+               or ROOT / "build/release/coulter").resolve()
+DECKS = sorted((ROOT / "input").glob("*/*.nml"))
+
+#: Decks that take long run so many steps only.
+MOST_STEPS = {"pipe/penetration": 40, "pipe/rough": 30}
+#: How decks end that are meant to fail.
+FAILURES = {"wedge/paper_20_degrees": r"step [2-5] of 6 failed .*: the tangent is singular: the material is unstable"}
+#: Friction and largest shear of tools that go far.
+RUBBING = {"plough/plough": (0.2, np.inf), "plough/share": (0.2, 5.0), "plough/sand": (0.3, np.inf),
+           "pipe/rough": (np.inf, 1.0), "pipe/penetration": (0.0, 0.0), "indentation/wedge": (0.0, 0.0)}
+#: Depths over the spacing of what may get into what, where it is not .02: the paper's method knows
+#: points only; where soil parts, a tip is in the tile that hangs on both sides until new ones come
+#: (docs/stability.md), and punches stand on tiles that reach beyond them.
+DEPTHS = {"wedge/paper": 0.1}
+TIPS = {"plough/plough": 0.75, "plough/share": 0.75, "plough/sand": 0.75,
+        "footing/footing": 0.75, "footing/friction": 0.75, "punch/undrained": 0.75}
+
+
+def run(deck, folder, n_steps):
+    """Run a deck, or its first steps."""
+    steps = ["--steps", str(n_steps)] if n_steps else []
+    return subprocess.run([PROGRAM, "--output", folder, *steps, deck],
+                          capture_output=True, text=True, check=False)
+
+
+def read(folder):
+    """History of a run, how it ended, and the mass in every frame."""
+    [path] = folder.glob("*.vtkhdf")
+    with h5py.File(path) as file:
+        rows = file["history"].attrs["n_rows"]
+        history = {name: data[:rows] for name, data in file["history"].items()
+                   if data.shape and data.shape[0] >= rows}
+        history |= {name: file["history"][name][:] for name in (
+            "reset_rows", "reset_residuals", "reset_force_changes")}
+        points = file["VTKHDF/PointData"]
+        rows_of = [slice(a, a + m) for a, m in zip(file["VTKHDF/Steps/PointOffsets"],
+                                                   file["VTKHDF/NumberOfPoints"], strict=True)]
+        masses = [(points["volume"][k] / points["volume_ratio"][k]).sum() for k in rows_of]
+        return history, file["provenance"].attrs["status"], np.array(masses)
+
+
+def check_resets(history):
+    """New tiles have come, and the history says what they change."""
+    assert history["has_retiled"].sum() >= 1
+    assert (history["reset_rows"] == np.flatnonzero(history["has_retiled"])).all()
+    assert (history["reset_residuals"] > 0.0).all()
+    assert np.isfinite(history["reset_force_changes"]).all()
+
+
+def check_rubbing(history, friction, limit):
+    """The tool, the last boundary, presses all the time and rubs no more than it may."""
+    rubbing, pressing, length = (history[name][:, -1] for name in (
+        "rubbing_forces", "pressing_forces", "loaded_lengths"))
+    slack = 1e-9 * np.abs(history["boundary_reactions"]).max()
+    assert (pressing > 0.0).all()
+    if np.isfinite(friction):
+        assert (rubbing <= friction * pressing + slack).all()
+    if np.isfinite(limit):
+        assert (rubbing <= limit * length + slack).all()
+    assert (rubbing.max() > 0.0) == (limit > 0.0)
+
+
+@pytest.mark.parametrize("deck", DECKS, ids=lambda deck: f"of_{deck.parent.name}_{deck.stem}")
+def test_deck(tmp_path, deck):
+    name = f"{deck.parent.name}/{deck.stem}"
+    text = deck.read_text()
+    if "&sample" in text:
+        subprocess.run([PROGRAM, "point", "--quiet", "--output", tmp_path, deck], check=True)
+        return
+    result = run(deck, tmp_path, MOST_STEPS.get(name))
+    history, status, masses = read(tmp_path)
+    if name in FAILURES:
+        assert result.returncode == 1
+        assert re.search(FAILURES[name], result.stderr), result.stderr
+        return
+    assert result.returncode == 0, result.stderr
+    assert status == b"finished"
+    assert "cannot be trusted" not in result.stdout
+    assert masses == pytest.approx(masses[0], rel=1e-9)
+    spacing = float(re.search(r"spacing = ([\d.]+)", text)[1])
+    assert history["penetrations"].max(initial=0.0) <= DEPTHS.get(name, 0.02) * spacing
+    assert history["tip_penetrations"].max(initial=0.0) <= TIPS.get(name, 0.02) * spacing
+    forces = max(np.abs(history[f"{what}_reactions"]).max(initial=0.0)
+                 for what in ("boundary", "fixity"))
+    assert np.abs(history["imbalance"]).max() <= 1e-7 * forces
+    if name in RUBBING:
+        check_resets(history)
+        check_rubbing(history, *RUBBING[name])
