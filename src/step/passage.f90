@@ -16,8 +16,8 @@ module coulter_step_passage
    public :: check_passage
 
    !> Depth behind a face beyond which a corner has passed it, over the penalty band: overlaps of
-   !> contacts are smaller.
-   real(wp), parameter :: passed = 0.5_wp
+   !> contacts are smaller. Over the spacing, it is at least what contacts bring back.
+   real(wp), parameter :: passed = 0.5_wp, least_depth = 0.01_wp
    !> Corners that cross a face nearer to its ends than this, over the spacing, slide round them,
    !> unless the next face turns towards the material by an angle with more than this sine.
    real(wp), parameter :: near_end = 0.5_wp, pocket = 0.1_wp
@@ -115,7 +115,7 @@ contains
       integer :: s
 
       answer = .true.
-      depth = passed*boundary%band_ratio*spacing
+      depth = max(passed*boundary%band_ratio, least_depth)*spacing
       do s = 1, size(boundary%vertices, 2) - 1
          call new_face(face, moved_by(motion, boundary%vertices(:, s)), &
                        moved_by(motion, boundary%vertices(:, s + 1)), boundary%bulge(s))
