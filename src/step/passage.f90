@@ -19,8 +19,9 @@ module coulter_step_passage
    !> contacts are smaller. Over the spacing, it is at least what contacts bring back.
    real(wp), parameter :: passed = 0.5_wp, least_depth = 0.01_wp
    !> Corners that cross a face nearer to its ends than this, over the spacing, slide round them,
-   !> unless the next face turns towards the material by an angle with more than this sine.
-   real(wp), parameter :: near_end = 0.5_wp, pocket = 0.1_wp
+   !> unless the next face turns towards the material by an angle with more than this sine. Those
+   !> less in front of a face than this, over the spacing, have been on it.
+   real(wp), parameter :: near_end = 0.5_wp, pocket = 0.1_wp, on_face = 0.05_wp
 
 contains
 
@@ -111,7 +112,7 @@ contains
       logical :: answer
       type(face_type) :: face
       type(place_type) :: before, after
-      real(wp) :: depth, at, margin(2)
+      real(wp) :: depth
       integer :: s
 
       answer = .true.
@@ -123,15 +124,35 @@ contains
          if (after%gap > -depth) cycle
          before = place_on(face, moved_by(motion, position) - face%first, [0.0_wp, 0.0_wp])
          if (before%gap < -depth) cycle
-         at = (max(before%gap, 0.0_wp)*after%distance - min(after%gap, 0.0_wp)*before%distance) &
-            /(max(before%gap, 0.0_wp) - min(after%gap, 0.0_wp))
-         margin = near_end*spacing
-         if (is_pocket(boundary%vertices, s - 1)) margin(1) = 0.0_wp
-         if (is_pocket(boundary%vertices, s)) margin(2) = 0.0_wp
-         if (at > margin(1) .and. at < face%length - margin(2)) return
+         if (.not. any(slides_off(face, before, after, spacing, &
+                                  [is_pocket(boundary%vertices, s - 1), &
+                                   is_pocket(boundary%vertices, s)]))) return
       end do
       answer = .false.
    end function has_passed
+
+   !> Does a corner cross a face near its first, or its last end? One that has been on the face may
+   !> come from farther away, if it leaves beyond the end. In a pocket,
+   !> neither is near enough.
+   pure function slides_off(face, before, after, spacing, pockets) result(answer)
+      type(face_type), intent(in) :: face
+      !> Place of the corner before and after the step, as seen from the face.
+      type(place_type), intent(in) :: before, after
+      real(wp), intent(in) :: spacing
+      !> Does the face form a pocket with the one before it, and with the next one?
+      logical, intent(in) :: pockets(2)
+      logical :: answer(2)
+      real(wp) :: crossing, from_end(3, 2)
+
+      crossing = (max(before%gap, 0.0_wp)*after%distance &
+                  - min(after%gap, 0.0_wp)*before%distance) &
+         /(max(before%gap, 0.0_wp) - min(after%gap, 0.0_wp))
+      from_end(:, 1) = [before%distance, crossing, after%distance]
+      from_end(:, 2) = face%length - from_end(:, 1)
+      answer = from_end(2, :) < near_end*spacing .or. (before%gap < on_face*spacing &
+               .and. from_end(1, :) < 2.0_wp*near_end*spacing .and. from_end(3, :) < 0.0_wp)
+      answer = merge(from_end(2, :) < 0.0_wp, answer, pockets)
+   end function slides_off
 
    !> Do two faces that follow each other turn towards the material, on their left?
    pure function is_pocket(vertices, s) result(answer)
