@@ -93,7 +93,7 @@ contains
    end subroutine push_out
 
    !> Way onto a face: along its normal, or along the boundary that holds the corner for good, as on
-   !> the axis of half a scene.
+   !> the axis of half a scene; none where that runs along the face.
    pure function shift_onto(place, boundaries, corner, spacing) result(shift)
       type(place_type), intent(in) :: place
       type(boundary_type), intent(in) :: boundaries(:)
@@ -109,7 +109,9 @@ contains
          do s = 1, size(boundaries(b)%vertices, 2) - 1
             call find_place(boundaries(b), s, corner, 0.0_wp, held)
             slope = dot_product(place%normal, held%tangent)
-            if (abs(held%gap) > on_line*spacing .or. abs(slope) < steepest) cycle
+            if (abs(held%gap) > on_line*spacing) cycle
+            shift = 0.0_wp
+            if (abs(slope) < steepest) cycle
             shift = -place%gap/slope*held%tangent
             return
          end do
@@ -158,8 +160,8 @@ contains
       integer, intent(in) :: b, v
       real(wp), intent(in) :: spacing
       real(wp) :: share, foot(2), limit, ends(2, 2)
-      integer :: edge, c
-      logical :: is_inside
+      integer :: edge, c, k
+      logical :: is_inside, is_near(2)
 
       associate (vertex => boundaries(b)%vertices(:, v), vertices => boundaries(b)%vertices)
          is_inside = encloses(outline, vertex)
@@ -168,9 +170,15 @@ contains
          if (edge == 0) return
          ends = outline%corner(:, [edge, outline%next(edge)])
          foot = (1.0_wp - share)*ends(:, 1) + share*ends(:, 2)
-         if (norm2(foot - ends(:, 1)) < merging*spacing) then
+         is_near = norm2(spread(foot, 2, 2) - ends, dim=1) < merging*spacing
+         do k = 1, 2
+            ! what is held stays, and a tip in the body gets a corner beside it
+            if (is_near(k) .and. is_inside) &
+               is_near(k) = .not. leaves_hold(boundaries, ends(:, k), vertex, spacing)
+         end do
+         if (is_near(1)) then
             c = edge
-         else if (norm2(foot - ends(:, 2)) < merging*spacing) then
+         else if (is_near(2)) then
             c = outline%next(edge)
          else
             call insert_corner(outline, edge, foot)

@@ -27,9 +27,10 @@ RUBBING = {"plough/plough": (0.2, np.inf), "plough/share": (0.2, 5.0), "plough/s
            "pipe/rough": (np.inf, 1.0), "pipe/penetration": (0.0, 0.0), "indentation/wedge": (0.0, 0.0)}
 #: Depths over the spacing of what may get into what, where it is not .02: the paper's method knows
 #: points only; where soil parts, a tip is in the tile that hangs on both sides until new ones come
-#: (docs/stability.md), and punches stand on tiles that reach beyond them.
+#: (docs/stability.md), 0.4 of way and a step of 0.16 at most; punches stand on tiles that reach beyond
+#: them.
 DEPTHS = {"wedge/paper": 0.1}
-TIPS = {"plough/plough": 0.75, "plough/share": 0.75, "plough/sand": 0.75,
+TIPS = {"plough/plough": 0.56, "plough/share": 0.56, "plough/sand": 0.56,
         "footing/footing": 0.75, "footing/friction": 0.75, "punch/undrained": 0.75}
 
 
