@@ -172,9 +172,9 @@ contains
          foot = (1.0_wp - share)*ends(:, 1) + share*ends(:, 2)
          is_near = norm2(spread(foot, 2, 2) - ends, dim=1) < merging*spacing
          do k = 1, 2
+            if (.not. (is_near(k) .and. is_inside)) cycle
             ! what is held stays, and a tip in the body gets a corner beside it
-            if (is_near(k) .and. is_inside) &
-               is_near(k) = .not. leaves_hold(boundaries, ends(:, k), vertex, spacing)
+            is_near(k) = .not. leaves_hold(boundaries, ends(:, k), vertex, spacing)
          end do
          if (is_near(1)) then
             c = edge

@@ -1,0 +1,69 @@
+"""Steps that are far too large end well: they are halved, and what tools have done in the end hangs
+little on them."""
+
+import os
+import subprocess
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = Path(os.environ.get("COULTER_PROGRAM") or ROOT / "build/release/coulter").resolve()
+
+SCENE = """&scene title = "three tools in one bed" /
+&grid origin = -5.0, -4.0, spacing = 0.25, cells = 56, 28 /
+&law name = "clay", model = "tresca"
+   youngs_modulus = 500.0, poisson_ratio = 0.45, shear_strength = 1.0 /
+&body name = "bed", law = "clay", density = 0.0 /
+&region body = "bed", rectangle = -4.0, -3.0, 8.0, 0.0 /
+&boundary name = "base", kind = "fixed", vertices = -5.0, -3.0, 9.0, -3.0 /
+&boundary name = "right", kind = "roller", bilateral = .true., vertices = 8.0, -3.5, 8.0, 1.0 /
+&boundary name = "left", kind = "roller", bilateral = .true., vertices = -4.0, 1.0, -4.0, -3.5 /
+&tool name = "blade", shape = "rectangle", size = 0.3, 3.0, position = -0.15, -0.75
+   embedded = .true., displacement = 1.8, 0.0, friction = 0.2 /
+&tool name = "footing", shape = "rectangle", size = 1.2, 1.0, position = 5.5, 0.0
+   displacement = 0.0, -0.9 /
+&tool name = "pipe", shape = "circle", radius = 0.5, position = -2.4, 0.5
+   displacement = 0.0, -0.9, friction = 0.3, shear_limit = 0.5 /
+&steps count = 10 /
+"""
+#: Work of the tools with 32 steps of 0.22 cells.
+WORKS = [4.044, 5.905, 4.123]
+#: A block that only friction holds on a plate that turns by 7.5 degrees in a step.
+BLOCK = """&grid origin = -3.0, -3.0, spacing = 0.25, cells = 28, 28 /
+&law name = "rubber", youngs_modulus = 1000.0, poisson_ratio = 0.3 /
+&body name = "block", law = "rubber", density = 1.0 /
+&region body = "block", rectangle = 0.0, 0.0, 1.0, 1.0 /
+&body_force acceleration = 0.0, -1.0, from_start = .true. /
+&tool name = "plate", shape = "polygon", vertices = -0.5, -0.5, 1.5, -0.5, 1.5, 0.0, -0.5, 0.0
+   rotation = 30.0, pivot = 0.5, -0.25, friction = 0.9 /
+&steps count = 4 /
+"""
+
+
+def run(scene: str, folder: Path) -> dict:
+    """History of a run that reaches its end."""
+    deck = folder / "scene.nml"
+    deck.write_text(scene)
+    subprocess.run([PROGRAM, "--quiet", deck], check=True, cwd=folder)
+    with h5py.File(folder / "scene.vtkhdf") as file:
+        rows = file["history"].attrs["n_rows"]
+        return {name: file[f"history/{name}"][:rows]
+                for name in ("works", "penetrations", "n_settling", "boundary_reactions", "rubbing_forces")}
+
+
+def test_three_tools_in_steps_of_most_of_a_cell(tmp_path):
+    history = run(SCENE, tmp_path)
+    assert history["penetrations"].max() <= 0.02 * 0.25
+    assert history["n_settling"].max() == 0
+    assert history["works"][-1, 3:] == pytest.approx(WORKS, rel=0.05)
+
+
+def test_block_turns_with_the_plate_that_it_sticks_to(tmp_path):
+    history = run(BLOCK, tmp_path)
+    assert history["penetrations"].max() <= 0.02 * 0.25
+    # its weight is 1
+    assert history["boundary_reactions"][-1, 0] == pytest.approx([0.0, 1.0], abs=1e-7)
+    assert history["rubbing_forces"][-1, 0] == pytest.approx(np.sin(np.radians(30.0)), abs=1e-6)
