@@ -10,7 +10,7 @@ module coulter_retile_interfaces
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
    private
-   public :: interfaces_type, find_interfaces, edges_of_body, keep_ends, is_on_interface, is_torn
+   public :: interfaces_type, find_interfaces, edges_of_tiles, keep_ends, is_on_interface, is_torn
 
    !> The outlines of all bodies, and which of their edges lie between two of them.
    type :: interfaces_type
@@ -113,18 +113,18 @@ contains
       interfaces%branch = tiling%position(:, pack([(k, k=1, size(touching))], is_branch))
    end subroutine list_lines
 
-   !> First and last corner of the edges of a body's outline.
-   pure function edges_of_body(interfaces, body) result(edges)
+   !> First and last corner of the edges of an outline around some tiles.
+   pure function edges_of_tiles(interfaces, is_mine) result(edges)
       !> Outlines of all bodies.
       type(interfaces_type), intent(in) :: interfaces
-      !> Number of the body.
-      integer, intent(in) :: body
+      !> Which tiles, of one body, shape (n_tiles)?
+      logical, intent(in) :: is_mine(:)
       integer, allocatable :: edges(:, :)
       integer :: e
 
       edges = interfaces%edge(:2, pack([(e, e=1, size(interfaces%edge, 2))], &
-                                       interfaces%body(1, :) == body))
-   end function edges_of_body
+                                       is_mine(interfaces%edge(3, :))))
+   end function edges_of_tiles
 
    !> Keep the ends and branches of interfaces as corners of an outline.
    pure subroutine keep_ends(outline, interfaces)

@@ -4,13 +4,14 @@ module coulter_retile_new_tiles
    use coulter_base_kinds, only: wp
    use coulter_model, only: model_type
    use coulter_points_outline, only: outline_type, trace_outline
+   use coulter_points_parts, only: find_parts, part_type
    use coulter_points_tiling, only: corner_gradients, new_tiling, tiling_type
    use coulter_retile_filling, only: tile_outline
-   use coulter_retile_interfaces, only: edges_of_body, find_interfaces, interfaces_type, &
+   use coulter_retile_interfaces, only: edges_of_tiles, find_interfaces, interfaces_type, &
       is_on_interface, is_torn, keep_ends
    use coulter_retile_meetings, only: join_surfaces
    use coulter_retile_state_transfer, only: restore_area
-   use coulter_retile_surface_transfer, only: is_on_other_field
+   use coulter_retile_surface_transfer, only: is_on_other_piece
    use coulter_retile_trimming, only: is_near_face, push_corners_out, trim_outline
    implicit none(type, external)
    private
@@ -39,30 +40,26 @@ contains
       integer, allocatable, intent(out) :: owner(:)
       !> Would bodies that share corners do so no more, or has a tile no area?
       logical, intent(out) :: has_failed
-      type(outline_type) :: outline
       type(interfaces_type) :: interfaces
       real(wp), allocatable :: vertices(:, :, :), all_vertices(:, :, :)
-      real(wp) :: edge(2), gradient(2, 4), area
-      integer :: b, p
+      integer, allocatable :: field(:)
+      integer :: piece(model%points%n_points), b, k, p
+      real(wp) :: gradient(2, 4), area
 
       call find_interfaces(interfaces, model%tiling, model%points%body)
-      allocate (owner(0), all_vertices(2, 4, 0))
-      do b = 1, size(model%bodies)
-         edge = model%grid%spacing/real(model%bodies(b)%points_per_cell, wp)
-         call trace_outline(outline, model%tiling%position, edges_of_body(interfaces, b), &
-                            smallest_loop*product(edge))
-         call keep_ends(outline, interfaces)
-         if (.not. model%bodies(b)%meets_itself) then
-            call join_surfaces(outline, model, smallest_loop*product(edge))
-         end if
-         call trim_outline(outline, model%boundaries, model%grid%smallest_spacing())
-         call tile_outline(outline, model%grid%origin, edge, vertices)
-         call settle_corners(vertices, model, b, interfaces)
+      call find_pieces(piece, model, interfaces)
+      allocate (owner(0), field(0), all_vertices(2, 4, 0))
+      do k = 1, maxval(piece)
+         b = model%points%body(findloc(piece, k, dim=1))
+         call tile_piece(vertices, model, b, piece == k, interfaces)
          all_vertices = reshape([all_vertices, vertices], [2, 4, size(owner) + size(vertices, 3)])
          owner = [owner, spread(b, 1, size(vertices, 3))]
+         ! pieces of a body that meet share no corners
+         field = [field, spread(merge(size(model%bodies) + k, model%bodies(b)%field, &
+                                      any(model%points%body == b .and. piece /= k)), &
+                                1, size(vertices, 3))]
       end do
-      call new_tiling(tiling, all_vertices, corner_tolerance*model%grid%smallest_spacing(), &
-                      model%bodies(owner)%field)
+      call new_tiling(tiling, all_vertices, corner_tolerance*model%grid%smallest_spacing(), field)
       has_failed = size(owner) == 0 &
          .or. is_torn(interfaces, tiling, bonded*model%grid%smallest_spacing())
       do p = 1, size(owner)
@@ -71,12 +68,63 @@ contains
       end do
    end subroutine make_tiles
 
-   !> Push corners out of tools, and shift free ones: new tiles of a body get the area of its old
+   !> Pieces that are tiled by themselves: bodies, or parts of those whose surfaces press and rub,
+   !> unless other bodies are bonded to them.
+   pure subroutine find_pieces(piece, model, interfaces)
+      !> Number of the piece of every tile, shape (n_tiles).
+      integer, intent(out) :: piece(:)
+      type(model_type), intent(in) :: model
+      type(interfaces_type), intent(in) :: interfaces
+      type(part_type), allocatable :: parts(:)
+      integer :: part(size(piece)), b, k, n
+
+      call find_parts(parts, model%tiling, model%points%body, size(model%bodies), part)
+      n = 0
+      do b = 1, size(model%bodies)
+         do k = 1, size(parts)
+            if (parts(k)%body /= b) cycle
+            n = n + 1
+            if (model%bodies(b)%meets_itself &
+                .and. .not. any(interfaces%body(1, :) == b .and. interfaces%body(2, :) > 0)) then
+               where (part == k) piece = n
+            else
+               where (model%points%body == b) piece = n
+               exit
+            end if
+         end do
+      end do
+   end subroutine find_pieces
+
+   !> New tiles of a piece.
+   pure subroutine tile_piece(vertices, model, b, is_mine, interfaces)
+      !> Corners of the tiles, shape (2, 4, n).
+      real(wp), allocatable, intent(out) :: vertices(:, :, :)
+      type(model_type), intent(in) :: model
+      !> Number of its body, and does a tile belong to it, shape (n_tiles)?
+      integer, intent(in) :: b
+      logical, intent(in) :: is_mine(:)
+      type(interfaces_type), intent(in) :: interfaces
+      type(outline_type) :: outline
+      real(wp) :: edge(2)
+
+      edge = model%grid%spacing/real(model%bodies(b)%points_per_cell, wp)
+      call trace_outline(outline, model%tiling%position, edges_of_tiles(interfaces, is_mine), &
+                         smallest_loop*product(edge))
+      call keep_ends(outline, interfaces)
+      if (.not. model%bodies(b)%meets_itself) then
+         call join_surfaces(outline, model, smallest_loop*product(edge))
+      end if
+      call trim_outline(outline, model%boundaries, model%grid%smallest_spacing())
+      call tile_outline(outline, model%grid%origin, edge, vertices)
+      call settle_corners(vertices, model, is_mine, interfaces)
+   end subroutine tile_piece
+
+   !> Push corners out of tools, and shift free ones: new tiles of a piece get the area of its old
    !> ones.
-   pure subroutine settle_corners(vertices, model, body, interfaces)
+   pure subroutine settle_corners(vertices, model, is_mine, interfaces)
       real(wp), intent(inout) :: vertices(:, :, :)
       type(model_type), intent(in) :: model
-      integer, intent(in) :: body
+      logical, intent(in) :: is_mine(:)
       type(interfaces_type), intent(in) :: interfaces
       type(tiling_type) :: tiling
       logical, allocatable :: is_free(:)
@@ -86,7 +134,7 @@ contains
       h = model%grid%smallest_spacing()
       total = 0.0_wp
       do p = 1, model%points%n_points
-         if (model%points%body(p) /= body) cycle
+         if (.not. is_mine(p)) cycle
          call corner_gradients(model%tiling%position(:, model%tiling%corner(:, p)), gradient, area)
          total = total + area
       end do
@@ -98,8 +146,8 @@ contains
       do c = 1, tiling%n_corners
          if (is_free(c)) is_free(c) = .not. is_on_interface(interfaces, tiling%position(:, c), &
                                                             bonded*h)
-         if (.not. (is_free(c) .and. allocated(model%tiling%field))) cycle
-         is_free(c) = .not. is_on_other_field(model, body, tiling%position(:, c), bonded*h)
+         if (.not. (is_free(c) .and. size(model%body_contacts) > 0)) cycle
+         is_free(c) = .not. is_on_other_piece(model, is_mine, tiling%position(:, c), bonded*h)
       end do
       call restore_area(tiling, is_free, total, farthest_shift*h)
       do p = 1, size(vertices, 3)

@@ -14,7 +14,7 @@ module coulter_retile_surface_transfer
    use coulter_system, only: system_type
    implicit none(type, external)
    private
-   public :: carry_surfaces, is_on_other_field
+   public :: carry_surfaces, is_on_other_piece
 
    !> Stations farther from all old ones than this have none to ask, over the spacing.
    real(wp), parameter :: farthest = 0.5_wp
@@ -86,26 +86,31 @@ contains
       end associate
    end subroutine ask
 
-   !> Does a place lie on the surface of a body of another displacement field?
-   pure function is_on_other_field(model, body, place, distance) result(answer)
+   !> Does a place lie on the surface of something else that presses and rubs there: a body of another
+   !> displacement field, or another piece of the body?
+   pure function is_on_other_piece(model, is_mine, place, distance) result(answer)
       !> Scene with tiles.
       type(model_type), intent(in) :: model
-      !> Body of the place.
-      integer, intent(in) :: body
+      !> Is a tile in the piece of the place, shape (n_tiles)?
+      logical, intent(in) :: is_mine(:)
       !> The place, and how far it may be away, length units.
       real(wp), intent(in) :: place(2), distance
       logical :: answer
-      integer :: e
+      integer :: body, e
 
       answer = .true.
+      body = model%points%body(findloc(is_mine, .true., dim=1))
       do e = 1, size(model%tiling%outer_edge, 2)
          associate (edge => model%tiling%outer_edge(:, e))
-            if (model%tiling%field(edge(3)) == model%bodies(body)%field) cycle
+            associate (other => model%points%body(edge(3)))
+               if (is_mine(edge(3))) cycle
+               if (other /= body .and. model%bodies(other)%field == model%bodies(body)%field) cycle
+            end associate
             if (distance_to_segment(place, model%tiling%position(:, edge(1)), &
                                     model%tiling%position(:, edge(2))) <= distance) return
          end associate
       end do
       answer = .false.
-   end function is_on_other_field
+   end function is_on_other_piece
 
 end module coulter_retile_surface_transfer
