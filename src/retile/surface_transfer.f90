@@ -86,8 +86,8 @@ contains
       end associate
    end subroutine ask
 
-   !> Does a place lie on the surface of something else that presses and rubs there: a body of another
-   !> displacement field, or another piece of the body?
+   !> Does a place lie on the surface of something else that presses and rubs there: a body of
+   !> another displacement field, or another piece of the body?
    pure function is_on_other_piece(model, is_mine, place, distance) result(answer)
       !> Scene with tiles.
       type(model_type), intent(in) :: model
