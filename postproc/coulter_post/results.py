@@ -236,7 +236,7 @@ class Results:
 
     @property
     def resets(self) -> list[tuple[int, float, np.ndarray]]:
-        """Where bodies were tiled anew: row in the history, residual, changes of forces."""
+        """Where bodies were tiled anew: row in the history, residual, changes of forces in the next step."""
 
         def query(file: h5py.File) -> list[tuple[int, float, np.ndarray]]:
             group = file["history"]

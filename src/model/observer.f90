@@ -87,10 +87,10 @@ module coulter_model_observer
       real(wp) :: met_length = 0.0_wp
       !> Have the bodies been tiled anew after the step?
       logical :: has_retiled = .false.
-      !> Relative residual of new tiles before they move, and by how much they change the force of
-      !> every boundary on the body, force per thickness, shape (2, n_boundaries); unallocated
-      !> without new tiles.
+      !> Relative residual of new tiles before they move.
       real(wp) :: reset_residual = 0.0_wp
+      !> Change of the force of every boundary on the body in the first step of new tiles, force per
+      !> thickness, shape (2, n_boundaries); unallocated in all other steps.
       real(wp), allocatable :: reset_force_changes(:, :)
       !> Total external force on the material: body force and edge loads, force per thickness.
       real(wp) :: body_force(2) = 0.0_wp

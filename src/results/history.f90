@@ -76,7 +76,8 @@ contains
       call file%put_reals("history/residuals", row, size(residuals), residuals)
       call file%put_reals("history/phase_seconds", row, n_phases, report%phase_seconds)
       if (allocated(report%warnings)) call put_warnings(history, file, report%warnings)
-      if (allocated(report%reset_force_changes)) call put_reset(history, file, report)
+      if (allocated(report%reset_force_changes)) call put_changes(history, file, report)
+      if (report%has_retiled) call put_reset(history, file, report)
       call file%flush()
       history%n_rows = history%n_rows + 1
       call file%set_integers("history", "n_rows", [history%n_rows])
@@ -287,7 +288,7 @@ contains
       call add_real(file, "reset_residuals", [integer ::], &
                     "relative residual of the new tiles before they move", "1")
       call add_real(file, "reset_force_changes", [2, size(model%boundaries)], &
-                    "change of the force of every boundary by the new tiles before they move", &
+                    "change of the force of every boundary in the first step of new tiles", &
                     model%units%force)
    end subroutine add_resets
 
@@ -296,15 +297,26 @@ contains
       type(history_type), intent(inout) :: history
       type(hdf5_file_type), intent(inout) :: file
       type(step_report_type), intent(in) :: report
+      real(wp) :: unknown(2, size(report%boundary_reactions, 2))
 
+      unknown = ieee_value(1.0_wp, ieee_quiet_nan)
       associate (place => int(history%n_resets, long))
          call put_integer(file, "reset_rows", place, history%n_rows)
          call file%put_reals("history/reset_residuals", place, 1, [report%reset_residual])
-         call file%put_reals("history/reset_force_changes", place, &
-                             size(report%reset_force_changes), report%reset_force_changes)
+         call file%put_reals("history/reset_force_changes", place, size(unknown), unknown)
       end associate
       history%n_resets = history%n_resets + 1
    end subroutine put_reset
+
+   !> Write how forces have changed in the first step of the last new tiles.
+   subroutine put_changes(history, file, report)
+      type(history_type), intent(in) :: history
+      type(hdf5_file_type), intent(inout) :: file
+      type(step_report_type), intent(in) :: report
+
+      call file%put_reals("history/reset_force_changes", int(history%n_resets - 1, long), &
+                          size(report%reset_force_changes), report%reset_force_changes)
+   end subroutine put_changes
 
    !> Write the names of the fixities in the order of their reactions.
    subroutine put_fixity_names(file, model)

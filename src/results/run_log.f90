@@ -131,7 +131,9 @@ contains
       if (report%condition > 0.0_wp) then
          write (self%unit, "(8x, a)") "condition "//to_text(report%condition, 2)
       end if
-      if (allocated(report%reset_force_changes)) call write_reset(self%unit, model, report)
+      if (allocated(report%reset_force_changes)) call write_changes(self%unit, model, report)
+      if (report%has_retiled) write (self%unit, "(8x, a)") "tiled anew: out of balance by " &
+         //percent(report%reset_residual)//" until the next step"
       if (allocated(report%warnings)) call write_warnings(self%unit, report%warnings)
       call show_progress(self, report%load_factor, error)
    end subroutine log_step
@@ -242,35 +244,28 @@ contains
       end do
    end subroutine write_surfaces
 
-   !> Say how far from balance new tiles are, and which force they change most.
-   subroutine write_reset(unit, model, report)
+   !> Say which force has changed most in the first step of new tiles.
+   subroutine write_changes(unit, model, report)
       integer, intent(in) :: unit
       type(model_type), intent(in) :: model
       type(step_report_type), intent(in) :: report
       real(wp) :: whole
       integer :: b
 
-      write (unit, "(8x, a)", advance="no") "tiled anew: out of balance by " &
-         //percent(report%reset_residual)//" until the next step"
       whole = maxval([0.0_wp, norm2(report%boundary_reactions, dim=1)])
-      if (whole > 0.0_wp) then
-         b = maxloc(norm2(report%reset_force_changes, dim=1), dim=1)
-         write (unit, "(a)", advance="no") ", force of "//model%boundaries(b)%name//" changed by " &
-            //percent(norm2(report%reset_force_changes(:, b))/whole)
-      end if
-      write (unit, "(a)") ""
+      if (.not. whole > 0.0_wp) return
+      b = maxloc(norm2(report%reset_force_changes, dim=1), dim=1)
+      write (unit, "(8x, a)") "first step of new tiles: force of "//model%boundaries(b)%name &
+         //" changed by "//percent(norm2(report%reset_force_changes(:, b))/whole)
+   end subroutine write_changes
 
-   contains
+   !> A share in per cent.
+   pure function percent(share) result(text)
+      real(wp), intent(in) :: share
+      character(len=:), allocatable :: text
 
-      !> A share in per cent.
-      pure function percent(share) result(text)
-         real(wp), intent(in) :: share
-         character(len=:), allocatable :: text
-
-         text = to_text(100.0_wp*share, 2)//" %"
-      end function percent
-
-   end subroutine write_reset
+      text = to_text(100.0_wp*share, 2)//" %"
+   end function percent
 
    !> Write the warnings of a step, each on a line of its own.
    subroutine write_warnings(unit, warnings)

@@ -1,4 +1,4 @@
-!> How far from equilibrium new tiles leave the bodies, and what that means for the forces on tools.
+!> How far from equilibrium new tiles leave the bodies, and how forces on tools change with them.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_retile_report
    use coulter_assembly, only: apply_dead_loads
@@ -11,23 +11,25 @@ module coulter_retile_report
    use coulter_system_border, only: set_motion
    implicit none(type, external)
    private
-   public :: report_new_tiles
+   public :: report_new_tiles, report_changes
 
 contains
 
-   !> Forces before anything moves, with boundaries where they are: the price is one assembly
-   !> without tangent, since the next step takes over what is set up for it.
+   !> Balance before anything moves, with boundaries where they are: the price is one assembly
+   !> without tangent, since the next step takes over what is set up for it. Forces are not worth
+   !> much there: a corner that new tiles put onto a face has lost what it pressed with.
    subroutine report_new_tiles(report, model, system)
-      !> Report with the forces before; gets `reset_residual` and `reset_force_changes`, unless new
-      !> tiles cannot be set up: the next step then says so.
+      !> Report of the step that has ended; gets `reset_residual`, unless new tiles cannot be set
+      !> up: the next step then says so.
       type(step_report_type), intent(inout) :: report
       !> Scene with new tiles.
       type(model_type), intent(in) :: model
-      !> Its system, of the step that has ended.
+      !> Its system, of the step that has ended; keeps the forces.
       type(system_type), intent(inout) :: system
       type(newton_type) :: newton
       character(len=:), allocatable :: failure
 
+      system%forces_before_reset = report%boundary_reactions
       system%start_time = system%end_time
       call prepare_step(model, system, failure)
       if (allocated(failure)) return
@@ -41,7 +43,19 @@ contains
       if (allocated(newton%failure)) return
       call measure(newton, system)
       report%reset_residual = newton%residuals(1)
-      report%reset_force_changes = system%boundary_reaction - report%boundary_reactions
    end subroutine report_new_tiles
+
+   !> Changes of forces in the first step of new tiles. What the boundaries have done in it is part
+   !> of them.
+   pure subroutine report_changes(report, system)
+      !> Report of a step; gets `reset_force_changes` if it was the first with its tiles.
+      type(step_report_type), intent(inout) :: report
+      !> Its system; forgets the forces before.
+      type(system_type), intent(inout) :: system
+
+      if (.not. allocated(system%forces_before_reset)) return
+      report%reset_force_changes = report%boundary_reactions - system%forces_before_reset
+      deallocate (system%forces_before_reset)
+   end subroutine report_changes
 
 end module coulter_retile_report

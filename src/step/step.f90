@@ -10,7 +10,7 @@ module coulter_step
    use coulter_newton_guess, only: forget_motion, remember_motion
    use coulter_retile, only: retile_if_distorted
    use coulter_retile_meetings, only: find_meetings
-   use coulter_retile_report, only: report_new_tiles
+   use coulter_retile_report, only: report_changes, report_new_tiles
    use coulter_setup_prepare, only: prepare_step, prepare_system
    use coulter_step_accept, only: accept_step
    use coulter_step_passage, only: check_passage
@@ -62,6 +62,7 @@ contains
             call remember_motion(system, newton%residuals)
          end if
          call report_step(report, model, system, newton)
+         call report_changes(report, system)
          if (allocated(model%tiling)) call retile_if_distorted(model, system, report)
          if (report%has_retiled) call report_new_tiles(report, model, system)
       end if

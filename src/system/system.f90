@@ -110,6 +110,9 @@ module coulter_system
       !> number of the part that is tried; 0 where they do not.
       real(wp) :: settling_drag = 0.0_wp
       integer :: n_settling = 0
+      !> Forces of the boundaries before the tiles were made that have not been through a step yet,
+      !> force per thickness, shape (2, n_boundaries); unallocated if all have.
+      real(wp), allocatable :: forces_before_reset(:, :)
       !> Way of the fastest boundary since bodies were tiled, over the grid spacing.
       real(wp) :: way_since_tiling = 0.0_wp
       !> Edges that carry loads for good.
