@@ -75,7 +75,8 @@ contains
       answer%by_other = outer(place%normal, answer%normal_by_other)
    end subroutine lean_press
 
-   !> Limit the shear, after `rub`, to that of the material within what the face can carry.
+   !> Limit the shear, after `rub`, to that of the material within what the face can carry; what
+   !> slips with Coulomb's friction takes its direction only.
    pure subroutine limit_rub(answer, place, limit, friction)
       !> Complete answer.
       type(rub_type), intent(inout) :: answer
@@ -85,13 +86,15 @@ contains
       type(limit_type), intent(in) :: limit
       !> Friction of the face.
       type(friction_type), intent(in) :: friction
-      real(wp) :: change, capacity, slope
+      real(wp) :: change, capacity, slope, most
+      logical :: slips
 
+      slips = answer%slip /= 0 .and. .not. friction%is_rough
       call shear_capacity(friction, answer%traction(1), capacity, slope)
-      change = sign(min(capacity, abs(limit%traction(2))), limit%traction(2)) - answer%traction(2)
-      slope = slope*sign(1.0_wp, limit%traction(2))
-      if (capacity > abs(limit%traction(2))) slope = 0.0_wp
-      change = sign(max(0.0_wp, abs(change) - limit%margin), change)
+      most = merge(capacity, min(capacity, abs(limit%traction(2))), slips)
+      slope = merge(0.0_wp, slope*sign(1.0_wp, limit%traction(2)), most < capacity)
+      change = sign(most, limit%traction(2)) - answer%traction(2)
+      if (.not. slips) change = sign(max(0.0_wp, abs(change) - limit%margin), change)
       if (.not. abs(change) > 0.0_wp) return
       answer%traction(2) = answer%traction(2) + change
       answer%vector = answer%vector + change*place%tangent

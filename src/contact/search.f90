@@ -37,6 +37,9 @@ module coulter_contact_search
    !> A corner of a tool this near to a face of another one abuts on it, over the spacing, if the
    !> product of the normals of both faces is more than this.
    real(wp), parameter :: abutting = 1.0e-6_wp, same_way = 0.99_wp
+   !> Edges whose outward normal has less than this component against that of a face beside an open
+   !> end do not meet it: the corner that is let through there turns them a little.
+   real(wp), parameter :: facing = 0.3_wp
    !> What came round a corner of a tool by less than this is pushed out at once, over the spacing.
    real(wp), parameter :: round_slack = 0.02_wp
 
@@ -189,14 +192,15 @@ contains
       end do
    end subroutine meet
 
-   !> Does an edge beside a corner that cuts in look more at the next face, which ends openly there?
+   !> Does an edge beside a corner look at the next face, which ends openly there: more than at this
+   !> one where the corner cuts in, and hardly at this one elsewhere?
    pure function looks_at_open_end(boundary, tips, s, ends, spacing) result(answer)
       type(boundary_type), intent(in) :: boundary
       type(tip_type), intent(in) :: tips(:)
       integer, intent(in) :: s
       real(wp), intent(in) :: ends(2, 2), spacing
       logical :: answer
-      real(wp) :: outward(2), looks(2)
+      real(wp) :: outward(2), looks(2), least
       integer :: i, k
 
       answer = .false.
@@ -204,11 +208,12 @@ contains
       do i = 1, size(tips)
          k = findloc(tips(i)%faces, s, dim=1)
          if (k == 0) cycle
-         if (.not. tips(i)%cuts .or. tips(i)%is_open(k) .or. .not. tips(i)%is_open(3 - k)) cycle
+         if (tips(i)%is_open(k) .or. .not. tips(i)%is_open(3 - k)) cycle
          if (minval(norm2(ends - spread(boundary%vertices(:, tips(i)%vertex), 2, 2), dim=1)) &
              > spacing) cycle
          looks = -matmul(outward, tips(i)%normal(:, [k, 3 - k]))
-         answer = answer .or. looks(1) < looks(2)
+         least = merge(looks(2), min(looks(2), facing*norm2(outward)), tips(i)%cuts)
+         answer = answer .or. looks(1) < least
       end do
    end function looks_at_open_end
 
