@@ -14,10 +14,6 @@ module coulter_assembly_hourglass
    private
    public :: find_pull, hourglass_stiffness, limit_pulls, remember_hourglass
 
-   !> Largest force of a tile that flows, over its equivalent stress times the edge of a square of
-   !> its area.
-   real(wp), parameter :: cap_share = 0.1_wp
-
 contains
 
    !> At the end of a step, before corners move: keep what tiles of flowing laws pull with, turned
@@ -41,7 +37,7 @@ contains
          model%tiling%pull(:, p) = cos(angle)*pull + sin(angle)*[-pull(2), pull(1)]
          model%tiling%largest_pull(p) = huge(1.0_wp)
          if (model%points%has_flowed(p)) model%tiling%largest_pull(p) = &
-            pull_in_flow(model%points%trial%kirchhoff_stress(:, p), map%area(p))
+            pull_in_flow(model, model%points%trial%kirchhoff_stress(:, p), map%area(p))
       end do
    end subroutine remember_hourglass
 
@@ -58,16 +54,17 @@ contains
          call corner_gradients(values_at(model%tiling%corner(:, p), model%tiling%position), &
                                gradient, area)
          model%tiling%largest_pull(p) = &
-            pull_in_flow(model%points%converged%kirchhoff_stress(:, p), area)
+            pull_in_flow(model, model%points%converged%kirchhoff_stress(:, p), area)
       end do
    end subroutine limit_pulls
 
    !> Largest force of a tile that flows, from its stress and area.
-   pure function pull_in_flow(stress, area) result(pull)
+   pure function pull_in_flow(model, stress, area) result(pull)
+      type(model_type), intent(in) :: model
       real(wp), intent(in) :: stress(4), area
       real(wp) :: pull
 
-      pull = cap_share*equivalent_stress(stress)*sqrt(area)
+      pull = model%control%hourglass_limit*equivalent_stress(stress)*sqrt(area)
    end function pull_in_flow
 
    !> Force that stands on the vertices with the shares of a vector, and its derivative by the

@@ -381,6 +381,8 @@ module coulter_deck_schema
          "standard fbar", "`fbar`: a cell's points share volume changes; no locking"), &
       variable_rule_type("control", "hourglass", "real", 1, 1, "", "0.5", ">= 0 <= 1", &
          "cpdi2: stiffness against hourglass modes of tiles, 1 is exact for squares in bending"), &
+      variable_rule_type("control", "hourglass_limit", "real", 1, 1, "", "0.1", "> 0 <= 1", &
+         "cpdi2: its share of the stress where tiles flow; 0.02 for small-strain limit loads"), &
       variable_rule_type("control", "ghost_penalty", "real", 1, 1, "", "1.0e-3", ">= 0 <= 0.1", &
          "cpdi2: stabilisation near the outline over the shear modulus"), &
       variable_rule_type("control", "retile", "choice", 1, 1, "", "'auto'", "auto never", &

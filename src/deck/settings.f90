@@ -87,6 +87,7 @@ contains
       call get_choice(deck, group, "domains", choice)
       control%domains = domains(choice)
       call get_value(deck, group, "hourglass", control%hourglass_ratio)
+      call get_value(deck, group, "hourglass_limit", control%hourglass_limit)
       call get_value(deck, group, "ghost_penalty", control%ghost_ratio)
       call get_value(deck, group, "condition", control%has_condition)
       call get_value(deck, group, "tolerance", control%tolerance)
@@ -113,6 +114,7 @@ contains
       end if
       if (control%domains /= domains_tiles) then
          call refuse(deck, group, "hourglass", "belongs to domains = 'cpdi2'")
+         call refuse(deck, group, "hourglass_limit", "belongs to domains = 'cpdi2'")
          call refuse(deck, group, "ghost_penalty", "belongs to domains = 'cpdi2'")
          call refuse(deck, group, "retile", "belongs to domains = 'cpdi2'")
          call refuse(deck, group, "settle", "belongs to domains = 'cpdi2'")

@@ -57,6 +57,9 @@ module coulter_model_control
       logical :: has_mean_volume = .false.
       !> Hourglass stiffness of tiles over the one that is exact for a square in bending.
       real(wp) :: hourglass_ratio = 0.5_wp
+      !> Largest hourglass force in a tile that flows, over its equivalent stress times the edge of
+      !> a square of its area.
+      real(wp) :: hourglass_limit = 0.1_wp
       !> Are bodies tiled anew when their tiles are distorted?
       logical :: may_retile = .true.
       !> Ghost penalty over the shear modulus, on cell faces near the outline of tiled bodies.
