@@ -8,7 +8,6 @@ prints a table of docs/accuracy.md. Shear strength and widths are 1; half of eac
 from __future__ import annotations
 
 import argparse
-import os
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -16,10 +15,7 @@ from math import acos, cos, pi, radians, sin, sqrt, tan
 from pathlib import Path
 
 import numpy as np
-from coulter_post import Results
-from run import measured
-
-PROGRAM = os.environ.get("COULTER_PROGRAM", "build/release/coulter")
+from run import PROGRAM, Results, measured
 
 
 @dataclass

@@ -32,3 +32,9 @@ def test_a_quick_run_finds_small_errors(tmp_path):
         assert float(finest[problem]["error"]) < limit, problem
         assert float(finest[problem]["cpu_s"]) > 0.0
         assert (tmp_path / f"accuracy_{problem}.png").is_file()
+
+
+def test_deep_tools_are_listed():
+    command = [sys.executable, SOURCE / "bench/penetration.py", "--only", "no such tool"]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    assert done.stdout.startswith("| tool | h |")
