@@ -53,13 +53,8 @@ contains
       type(model_type), intent(in) :: model
       type(contact_watch_type) :: watch
       logical :: is_done
-      integer :: i, round
+      integer :: round
 
-      newton%may_flow = any([(.not. model%laws(i)%law%is_elastic, i=1, size(model%laws))])
-      associate (n => system%dofs%n_dofs + system%border%n)
-         allocate (newton%unknowns(n), newton%correction(n), source=0.0_wp)
-         allocate (newton%unbalanced(n), newton%residuals(0), newton%norms(0))
-      end associate
       call begin(newton, system, model)
       round = 0
       do while (.not. allocated(newton%failure))
@@ -73,25 +68,14 @@ contains
          if (allocated(newton%failure)) then
             newton%failure = newton%failure//explain_stall(newton, watch, system, model)
             call begin_again(newton, system, model)
-            cycle
          else if (system%is_smooth .and. (is_done .or. is_near(newton))) then
             call end_smoothness(newton, system, model)
-            cycle
          else if (is_done) then
-            if (round == model%control%n_augmentations) exit
-            call augment_contacts(system, model, has_changed=is_done)
-            if (.not. is_done) exit
-            round = round + 1
-            newton%correction = huge(newton%correction)
-            call evaluate(newton, system, model, newton%unknowns)
-            cycle
+            call begin_round(newton, system, model, round, is_done)
+            if (is_done) exit
+         else
+            call iterate(newton, system, model)
          end if
-         call find_correction(newton, system, model)
-         if (.not. allocated(newton%failure)) then
-            call advance(newton, system, model)
-            newton%n_iterations = newton%n_iterations + 1
-         end if
-         call begin_again(newton, system, model)
       end do
       system%needs_tangent = .true.
    end subroutine solve_newton
@@ -103,7 +87,13 @@ contains
       type(newton_type), intent(inout) :: newton
       type(system_type), intent(inout) :: system
       type(model_type), intent(in) :: model
+      integer :: i
 
+      newton%may_flow = any([(.not. model%laws(i)%law%is_elastic, i=1, size(model%laws))])
+      associate (n => system%dofs%n_dofs + system%border%n)
+         allocate (newton%unknowns(n), newton%correction(n), source=0.0_wp)
+         allocate (newton%unbalanced(n), newton%residuals(0), newton%norms(0))
+      end associate
       if (system%has_friction .or. system%has_tension) newton%has_predicted = &
          any(system%contacts%item(:system%contacts%n)%was_acting)
       if (system%has_friction .and. allocated(system%surfaces)) newton%has_predicted = &
@@ -221,6 +211,40 @@ contains
             //" iterations, relative residual "//to_text(residual, 3)
       end if
    end subroutine judge
+
+   !> After equilibrium: the next round of the augmented Lagrangian method, unless none is left or
+   !> needed.
+   subroutine begin_round(newton, system, model, round, is_last)
+      type(newton_type), intent(inout) :: newton
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+      integer, intent(inout) :: round
+      logical, intent(out) :: is_last
+      logical :: has_changed
+
+      is_last = round == model%control%n_augmentations
+      if (is_last) return
+      call augment_contacts(system, model, has_changed)
+      is_last = .not. has_changed
+      if (is_last) return
+      round = round + 1
+      newton%correction = huge(newton%correction)
+      call evaluate(newton, system, model, newton%unknowns)
+   end subroutine begin_round
+
+   !> One correction, as far as it goes.
+   subroutine iterate(newton, system, model)
+      type(newton_type), intent(inout) :: newton
+      type(system_type), intent(inout) :: system
+      type(model_type), intent(in) :: model
+
+      call find_correction(newton, system, model)
+      if (.not. allocated(newton%failure)) then
+         call advance(newton, system, model)
+         newton%n_iterations = newton%n_iterations + 1
+      end if
+      call begin_again(newton, system, model)
+   end subroutine iterate
 
    !> Newton correction; from a stiffened tangent where the consistent one is too soft.
    subroutine find_correction(newton, system, model)

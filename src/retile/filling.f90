@@ -159,23 +159,14 @@ contains
       type(outline_type), intent(in) :: outline
       real(wp), intent(in) :: h
       real(wp) :: nearest(size(lattice%state, 1), size(lattice%state, 2))
-      real(wp) :: foot(2, size(lattice%state, 1), size(lattice%state, 2)), place(2)
-      integer :: c, i, j, low(2), high(2)
+      real(wp) :: foot(2, size(lattice%state, 1), size(lattice%state, 2))
+      integer :: c, i, j
 
       nearest = snap*h
       do c = 1, outline%n
-         associate (a => outline%corner(:, c), b => outline%corner(:, outline%next(c)))
-            call nodes_around(lattice, min(a, b) - snap*h, max(a, b) + snap*h, low, high)
-            do j = low(2), high(2)
-               do i = low(1), high(1)
-                  if (lattice%state(i, j) == 0) cycle
-                  place = foot_on_edge(lattice%position(:, i, j), a, b)
-                  if (norm2(place - lattice%position(:, i, j)) >= nearest(i, j)) cycle
-                  nearest(i, j) = norm2(place - lattice%position(:, i, j))
-                  foot(:, i, j) = place
-               end do
-            end do
-         end associate
+         call find_feet(lattice, reshape([outline%corner(:, c), &
+                                          outline%corner(:, outline%next(c))], [2, 2]), h, &
+                        nearest, foot)
       end do
       do j = 1, size(nearest, 2)
          do i = 1, size(nearest, 1)
@@ -185,6 +176,29 @@ contains
          end do
       end do
    end subroutine move_to_outline
+
+   !> Feet of nodes on an edge where that is nearer than what they have.
+   pure subroutine find_feet(lattice, ends, h, nearest, foot)
+      type(lattice_type), intent(in) :: lattice
+      real(wp), intent(in) :: ends(2, 2), h
+      !> Distances so far, and feet.
+      real(wp), intent(inout) :: nearest(:, :), foot(:, :, :)
+      real(wp) :: place(2), distance
+      integer :: i, j, low(2), high(2)
+
+      call nodes_around(lattice, minval(ends, dim=2) - snap*h, maxval(ends, dim=2) + snap*h, low, &
+                        high)
+      do j = low(2), high(2)
+         do i = low(1), high(1)
+            if (lattice%state(i, j) == 0) cycle
+            place = foot_on_edge(lattice%position(:, i, j), ends(:, 1), ends(:, 2))
+            distance = norm2(place - lattice%position(:, i, j))
+            if (distance >= nearest(i, j)) cycle
+            nearest(i, j) = distance
+            foot(:, i, j) = place
+         end do
+      end do
+   end subroutine find_feet
 
    !> Range of nodes in a box, by their place before they moved.
    pure subroutine nodes_around(lattice, lower, upper, low, high)

@@ -127,29 +127,40 @@ contains
       type(boundary_type), intent(in) :: boundaries(:)
       !> Grid spacing.
       real(wp), intent(in) :: spacing
-      type(place_type) :: place
-      real(wp) :: along(2), band(2)
-      integer :: b, e, k, s
+      integer :: b, s
 
       do b = 1, size(boundaries)
          if (boundaries(b)%is_bilateral .or. .not. boundaries(b)%is_active) cycle
          do s = 1, size(boundaries(b)%vertices, 2) - 1
-            band = [shallow, 2.0_wp*sagitta]*spacing
-            if (abs(boundaries(b)%bulge(s)) > 0.0_wp) band = [0.0_wp, chord_depth]*spacing
-            do e = 1, size(tiling%outer_edge, 2)
-               along = tiling%position(:, tiling%outer_edge(2, e)) &
-                  - tiling%position(:, tiling%outer_edge(1, e))
-               do k = 1, 2
-                  associate (corner => tiling%position(:, tiling%outer_edge(k, e)))
-                     call find_place(boundaries(b), s, corner, 0.0_wp, place)
-                     if (.not. (place%gap < -band(1) .and. place%gap > -band(2))) cycle
-                     if (looks_at(along, place%normal)) corner = corner - place%gap*place%normal
-                  end associate
-               end do
-            end do
+            call push_off_segment(tiling, boundaries(b), s, spacing)
          end do
       end do
    end subroutine push_corners_out
+
+   !> The same for one segment of a boundary.
+   pure subroutine push_off_segment(tiling, boundary, s, spacing)
+      type(tiling_type), intent(inout) :: tiling
+      type(boundary_type), intent(in) :: boundary
+      integer, intent(in) :: s
+      real(wp), intent(in) :: spacing
+      type(place_type) :: place
+      real(wp) :: along(2), band(2)
+      integer :: e, k
+
+      band = [shallow, 2.0_wp*sagitta]*spacing
+      if (abs(boundary%bulge(s)) > 0.0_wp) band = [0.0_wp, chord_depth]*spacing
+      do e = 1, size(tiling%outer_edge, 2)
+         along = tiling%position(:, tiling%outer_edge(2, e)) &
+            - tiling%position(:, tiling%outer_edge(1, e))
+         do k = 1, 2
+            associate (corner => tiling%position(:, tiling%outer_edge(k, e)))
+               call find_place(boundary, s, corner, 0.0_wp, place)
+               if (.not. (place%gap < -band(1) .and. place%gap > -band(2))) cycle
+               if (looks_at(along, place%normal)) corner = corner - place%gap*place%normal
+            end associate
+         end do
+      end do
+   end subroutine push_off_segment
 
    !> Let the outline have a corner where a boundary has a vertex: at it if that is inside the body,
    !> else where the outline passes by.

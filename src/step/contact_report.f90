@@ -53,16 +53,20 @@ contains
       type(model_type), intent(in) :: model
       !> System in equilibrium, with surfaces.
       type(system_type), intent(in) :: system
-      integer :: k
+      integer :: k, n
 
       allocate (report%surfaces(size(model%body_contacts)))
+      n = size(report%stations)
+      report%stations = [report%stations, spread(station_report_type(), 1, &
+                                                 count(system%surfaces%pairs%is_acting))]
       do k = 1, size(system%surfaces%pairs)
          associate (pair => system%surfaces%pairs(k), &
                     sum => report%surfaces(system%surfaces%pairs(k)%contact))
             if (.not. pair%is_acting) cycle
-            report%stations = [report%stations, station_report_type( &
-                               boundary=-pair%contact, slip=pair%slip, position=pair%place, &
-                               weight=pair%weight, traction=pair%traction)]
+            n = n + 1
+            report%stations(n) = station_report_type( &
+                                 boundary=-pair%contact, slip=pair%slip, position=pair%place, &
+                                 weight=pair%weight, traction=pair%traction)
             if (model%body_contacts(pair%contact)%is_within()) then
                ! a body does nothing to itself
                sum%force = 0.0_wp
