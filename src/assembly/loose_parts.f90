@@ -17,6 +17,7 @@ module coulter_assembly_loose_parts
    implicit none(type, external)
    private
    public :: find_loose_parts, add_drag, name_loose_parts, name_toppling, text_of_parts
+   public :: settling_drag_of
 
    !> Drag per area and motion over the shear modulus and the square of the spacing.
    real(wp), parameter :: softest = 1.0e-6_wp
@@ -127,8 +128,11 @@ contains
 
    !> Drag on a tile of a body that settles, per area and motion, stress over squared length.
    pure function settling_drag_of(system, model, p) result(drag)
+      !> System while bodies settle.
       type(system_type), intent(in) :: system
+      !> Scene at the start of the step.
       type(model_type), intent(in) :: model
+      !> The tile.
       integer, intent(in) :: p
       real(wp) :: drag
       real(wp) :: lame_lambda, shear_modulus

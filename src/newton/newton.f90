@@ -134,6 +134,8 @@ contains
       type(model_type), intent(in) :: model
       logical :: has_changed
 
+      ! a drag holds all
+      if (system%settling_drag > 0.0_wp) return
       call land_free_tools(system, model%grid%smallest_spacing(), &
                            newton%unknowns(system%dofs%n_dofs + 1:), has_changed)
       if (.not. has_changed) return

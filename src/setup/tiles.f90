@@ -3,7 +3,7 @@
 module coulter_setup_tiles
    use coulter_algebra_sparse, only: element_dofs_type, joined
    use coulter_assembly_hourglass, only: hourglass_stiffness
-   use coulter_assembly_loose_parts, only: find_loose_parts
+   use coulter_assembly_loose_parts, only: find_loose_parts, settling_drag_of
    use coulter_assembly_surface_forces, only: meet_surfaces
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: formulation_augmented
@@ -134,16 +134,20 @@ contains
       !> Scene at the start of the step.
       type(model_type), intent(in) :: model
       type(motion_type) :: motion
-      real(wp) :: factor
+      real(wp) :: factor, drag
       integer :: j
 
       call new_border(system%border, model%boundaries, system%cells%n_nodes, &
                       model%tiling%n_corners)
+      drag = 0.0_wp
+      if (system%settling_drag > 0.0_wp .and. system%border%n > 0) drag = mean_drag(system, model)
       do j = 1, system%border%n
          associate (b => system%border%boundary(j))
             motion = boundary_motion(model, b, system%start_time, system%end_time)
             system%border%motion(b)%centre = motion%centre + motion%translation
             associate (tool => model%boundaries(b))
+               system%border%drag(j) = drag*product(maxval(tool%vertices, dim=2) &
+                                                    - minval(tool%vertices, dim=2))
                factor = load_factor(model, tool%load_table, system%end_time, tool%ramp_phase)
                system%border%pull(j) = tool_load_type( &
                   factor*tool%load, factor*tool%moment, &
@@ -152,6 +156,17 @@ contains
          end associate
       end do
    end subroutine set_border
+
+   !> Drag on bodies that settle, per area: free tools have it for theirs, too.
+   pure function mean_drag(system, model) result(drag)
+      type(system_type), intent(in) :: system
+      type(model_type), intent(in) :: model
+      real(wp) :: drag
+      integer :: p
+
+      drag = sum([(settling_drag_of(system, model, p), p=1, model%points%n_points)]) &
+         /real(model%points%n_points, wp)
+   end function mean_drag
 
    !> Are all nodes of a cell unknowns of their own?
    pure function all_are_core(system, is_core) result(answer)

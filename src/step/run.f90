@@ -15,6 +15,7 @@ module coulter_step_run
    use coulter_step_report, only: report_scene
    use coulter_step_settle, only: begin_settling, is_settling, settle_again, settle_on
    use coulter_system, only: system_type
+   use coulter_system_border, only: border_type, direction_of_turning
    implicit none(type, external)
    private
    public :: run_model, describe_scene
@@ -157,13 +158,24 @@ contains
       else if (n_halvings < model%control%max_halvings) then
          n_halvings = n_halvings + 1
          increment = system%verdict%step_ratio*increment
-      else if (model%control%may_settle .or. system%has_come_apart) then
+      else if (model%control%may_settle .or. system%has_come_apart &
+               .or. may_snap_through(system%border)) then
          ! parts that have come apart topple and slip
          call begin_settling(system)
       else
          is_lost = .true.
       end if
    end subroutine try_again
+
+   !> Can a tool turn under its load, so far that no equilibrium is near? One that nothing holds
+   !> would go on for ever.
+   pure function may_snap_through(border) result(answer)
+      type(border_type), intent(in) :: border
+      logical :: answer
+
+      answer = border%n > 0 .and. border%unheld == 0
+      if (answer) answer = any(border%direction == direction_of_turning)
+   end function may_snap_through
 
    !> End of the next part; the last one ends exactly with the load step.
    pure function end_of_part(time, increment, last_time) result(end_time)

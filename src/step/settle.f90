@@ -8,6 +8,7 @@
 module coulter_step_settle
    use coulter_base_kinds, only: wp
    use coulter_system, only: system_type
+   use coulter_system_border, only: free_motions
    implicit none(type, external)
    private
    public :: begin_settling, settle_on, settle_again, is_settling
@@ -53,7 +54,8 @@ contains
          system%n_settling = 0
          return
       end if
-      motion = maxval(abs(system%increment))/(good_motion*spacing)
+      motion = maxval([maxval(abs(system%increment)), abs(free_motions(system%border))]) &
+         /(good_motion*spacing)
       system%n_settling = system%n_settling + 1
       system%settling_drag = system%settling_drag*min(max(motion, factors(1)), factors(2))
       if (system%settling_drag < least_drag) system%settling_drag = 0.0_wp

@@ -36,6 +36,8 @@ module coulter_system_border
       real(wp), allocatable :: reach(:)
       !> What pulls at the tool of each, shape (n).
       type(tool_load_type), allocatable :: pull(:)
+      !> Drag on each while bodies settle, force per motion, shape (n).
+      real(wp), allocatable :: drag(:)
       !> Load on the tool, and load with the force of the contacts, force units, shape (n).
       real(wp), allocatable :: load(:), unbalanced(:)
       !> Derivatives of the nodal forces by the free motions, and of the balance by the nodes, shape
@@ -76,7 +78,8 @@ contains
          end do
       end do
       border%n = size(border%boundary)
-      allocate (border%load(border%n), border%unbalanced(border%n), source=0.0_wp)
+      allocate (border%load(border%n), border%unbalanced(border%n), border%drag(border%n), &
+                source=0.0_wp)
       if (border%n == 0) return
       allocate (border%pull(border%n))
       allocate (border%column(2, n_nodes, border%n), border%row(2, n_nodes, border%n))
@@ -142,8 +145,9 @@ contains
          border%load(j) = load_on(border, j)
          if (border%direction(j) == direction_of_turning) border%block(j, j) = &
             -dot_product(lever_of(border, j), border%pull(j)%force)/border%reach(j)**2
+         border%block(j, j) = border%block(j, j) - border%drag(j)
       end do
-      border%unbalanced = border%load
+      border%unbalanced = border%load - border%drag*free_motions(border)
    end subroutine clear_border
 
    !> Load on a free component, force units.
