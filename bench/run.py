@@ -87,6 +87,8 @@ class Run:
 
 def measured(command: list, seconds: int, repeat: int) -> tuple[dict, str]:
     """Cheapest of several runs of a command, fewer of long ones; and its messages."""
+    if not Path(command[0]).is_file():
+        raise SystemExit(f"{command[0]} is not there: build it, or set COULTER_PROGRAM")
     best: dict = {}
     starter = [sys.executable, "-I", "-S", BENCH / "measure.py", seconds]
     for k in range(repeat):
