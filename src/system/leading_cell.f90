@@ -72,8 +72,8 @@ contains
       end do
    end function nearest_in_rings
 
-   !> The same among sheets: of the cells that hang together with those of the node, from one to
-   !> the next.
+   !> The same among sheets: of the cells that are reached from those of the node by the fewest
+   !> steps from one to the next that hangs together with it. What is near across a gap is not.
    pure function nearest_in_sheets(grid, cells, may_lead, fill, node) result(nearest)
       type(grid_type), intent(in) :: grid
       type(cells_type), intent(in) :: cells
@@ -83,31 +83,35 @@ contains
       integer :: nearest
       integer, allocatable :: found(:)
       real(wp) :: distance, least
-      integer :: c, k, next, side
+      integer :: k, first, next, side, step
 
       found = cells_of(cells, node)
-      nearest = 0
-      least = huge(least)
-      k = 0
-      associate (index => cells%node_index(:, node))
-         do while (k < size(found))
-            k = k + 1
-            c = found(k)
-            if (may_lead(c)) then
-               distance = distance_to(grid, index, cells%cell_index(:, c), fill(c))
-               if (distance < least) nearest = c
-               least = min(least, distance)
-            end if
-            do side = 1, 4
-               next = cells%next_beside(c, beside(:, side), 0)
-               do while (next > 0)
-                  if (ring_of(cells%cell_index(:, next), index) <= farthest_ring &
-                      .and. all(found /= next)) found = [found, next]
-                  next = cells%next_beside(c, beside(:, side), next)
+      first = 1
+      do step = 0, 2*farthest_ring
+         nearest = 0
+         least = huge(least)
+         do k = first, size(found)
+            if (.not. may_lead(found(k))) cycle
+            distance = distance_to(grid, cells%node_index(:, node), &
+                                   cells%cell_index(:, found(k)), fill(found(k)))
+            if (distance < least) nearest = found(k)
+            least = min(least, distance)
+         end do
+         if (nearest > 0) return
+         associate (last => size(found))
+            do k = first, last
+               do side = 1, 4
+                  next = cells%next_beside(found(k), beside(:, side), 0)
+                  do while (next > 0)
+                     if (ring_of(cells%cell_index(:, next), cells%node_index(:, node)) &
+                         <= farthest_ring .and. all(found /= next)) found = [found, next]
+                     next = cells%next_beside(found(k), beside(:, side), next)
+                  end do
                end do
             end do
-         end do
-      end associate
+            first = last + 1
+         end associate
+      end do
    end function nearest_in_sheets
 
    !> The cells that have a node.
