@@ -17,6 +17,8 @@ module coulter_points_outline
       integer, allocatable :: next(:), previous(:)
       !> Must a corner be kept however little the outline turns there? Shape (n).
       logical, allocatable :: is_feature(:)
+      !> Are gaps between parts of the outline left open however far they are from features?
+      logical :: keeps_gaps = .false.
    end type outline_type
 
 contains

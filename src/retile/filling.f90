@@ -266,6 +266,7 @@ contains
 
       answer = .false.
       if (norm2(node - place) <= least_gap*h) return
+      answer = outline%keeps_gaps
       do c = 1, outline%n
          if (outline%is_feature(c)) answer = answer &
             .or. norm2(outline%corner(:, c) - node) < longest_gap*h

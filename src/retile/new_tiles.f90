@@ -11,6 +11,7 @@ module coulter_retile_new_tiles
       is_on_interface, is_torn, keep_ends
    use coulter_retile_meetings, only: join_surfaces
    use coulter_retile_state_transfer, only: restore_area
+   use coulter_retile_slits, only: are_facing, close_slits, open_slits
    use coulter_retile_surface_transfer, only: is_on_other_piece
    use coulter_retile_trimming, only: is_near_face, push_corners_out, trim_outline
    implicit none(type, external)
@@ -105,6 +106,7 @@ contains
       logical, intent(in) :: is_mine(:)
       type(interfaces_type), intent(in) :: interfaces
       type(outline_type) :: outline
+      real(wp), allocatable :: shift(:, :)
       real(wp) :: edge(2)
 
       edge = model%grid%spacing/real(model%bodies(b)%points_per_cell, wp)
@@ -115,7 +117,9 @@ contains
          call join_surfaces(outline, model, smallest_loop*product(edge))
       end if
       call trim_outline(outline, model%boundaries, model%grid%smallest_spacing())
+      if (model%bodies(b)%meets_itself) call open_slits(outline, shift, minval(edge))
       call tile_outline(outline, model%grid%origin, edge, vertices)
+      if (model%bodies(b)%meets_itself) call close_slits(vertices, outline, shift, minval(edge))
       call settle_corners(vertices, model, is_mine, interfaces)
    end subroutine tile_piece
 
@@ -143,6 +147,8 @@ contains
       call push_corners_out(tiling, model%boundaries, h)
       allocate (is_free(tiling%n_corners))
       call find_free_corners(is_free, tiling, model)
+      if (any(model%bodies%meets_itself)) is_free = is_free &
+         .and. .not. are_facing(tiling%position, tiling%outer_edge, bonded*h)
       do c = 1, tiling%n_corners
          if (is_free(c)) is_free(c) = .not. is_on_interface(interfaces, tiling%position(:, c), &
                                                             bonded*h)

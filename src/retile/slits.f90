@@ -1,0 +1,122 @@
+!> Slits in a body whose surfaces press and rub, held open while new tiles are made.
+!>
+!> Tiles of a lattice would join both sides of a gap that is far narrower than their spacing. Both
+!> sides therefore step back a little before, and what lies on them goes back with them afterwards
+!> (theory, section 8).
+! SPDX-License-Identifier: BSD-3-Clause
+module coulter_retile_slits
+   use coulter_base_kinds, only: wp
+   use coulter_base_polygon, only: distance_to_segment
+   use coulter_points_folds, only: find_folds, fold_type
+   use coulter_points_outline, only: outline_type
+   implicit none(type, external)
+   private
+   public :: open_slits, close_slits, are_facing
+
+   !> Both sides step back by this, over the spacing, where they are nearer than twice as much.
+   real(wp), parameter :: step_back = 0.06_wp
+   !> Vertices this near to an edge of the outline lie on it, over the spacing.
+   real(wp), parameter :: on_edge = 1.0e-6_wp
+   !> What is left of the step, so that corners of both sides stay two.
+   real(wp), parameter :: rest = 1.0e-4_wp
+
+contains
+
+   !> Let both sides of slits step back, also where they overlap a little.
+   pure subroutine open_slits(outline, shift, spacing)
+      !> Outline of a body; some corners move.
+      type(outline_type), intent(inout) :: outline
+      !> How far every corner has moved, length units, shape (2, n).
+      real(wp), allocatable, intent(out) :: shift(:, :)
+      !> Grid spacing.
+      real(wp), intent(in) :: spacing
+      type(fold_type), allocatable :: folds(:)
+      logical :: is_beside(outline%n)
+      real(wp) :: along(2)
+      integer :: c, k, i
+
+      allocate (shift(2, outline%n))
+      do c = 1, outline%n
+         along = unit(outline%corner(:, outline%next(c)) - outline%corner(:, c)) &
+            + unit(outline%corner(:, c) - outline%corner(:, outline%previous(c)))
+         shift(:, c) = step_back*spacing*unit([-along(2), along(1)])
+      end do
+      call find_folds(folds, outline%corner + shift, edges_of(outline), 4.0_wp*step_back*spacing)
+      is_beside = .false.
+      do k = 1, size(folds)
+         do i = 1, 2
+            is_beside(folds(k)%edge(i)) = .true.
+            is_beside(outline%next(folds(k)%edge(i))) = .true.
+         end do
+      end do
+      where (spread(.not. is_beside, 1, 2)) shift = 0.0_wp
+      outline%corner = outline%corner + shift
+      outline%keeps_gaps = .true.
+   end subroutine open_slits
+
+   !> Bring back what lies on sides that have stepped back.
+   pure subroutine close_slits(vertices, outline, shift, spacing)
+      !> Corners of tiles, shape (2, 4, n_tiles).
+      real(wp), intent(inout) :: vertices(:, :, :)
+      !> Outline with open slits; see `open_slits`.
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: shift(:, :), spacing
+      real(wp) :: share
+      integer :: c, p, v
+
+      do p = 1, size(vertices, 3)
+         do v = 1, 4
+            do c = 1, outline%n
+               associate (a => outline%corner(:, c), next => outline%next(c), &
+                          place => vertices(:, v, p))
+                  associate (b => outline%corner(:, next))
+                     if (.not. any(abs(shift(:, [c, next])) > 0.0_wp)) cycle
+                     if (distance_to_segment(place, a, b) > on_edge*spacing) cycle
+                     share = min(max(dot_product(place - a, b - a)/dot_product(b - a, b - a), &
+                                     0.0_wp), 1.0_wp)
+                  end associate
+                  vertices(:, v, p) = place - (1.0_wp - rest) &
+                     *((1.0_wp - share)*shift(:, c) + share*shift(:, next))
+                  exit
+               end associate
+            end do
+         end do
+      end do
+   end subroutine close_slits
+
+   !> Corners of outer edges that face others across less than some distance.
+   pure function are_facing(position, edge, distance) result(answer)
+      !> Positions of all corners, and outer edges, see `find_folds`.
+      real(wp), intent(in) :: position(:, :)
+      integer, intent(in) :: edge(:, :)
+      !> The distance, length units.
+      real(wp), intent(in) :: distance
+      logical :: answer(size(position, 2))
+      type(fold_type), allocatable :: folds(:)
+      integer :: k
+
+      answer = .false.
+      call find_folds(folds, position, edge, distance)
+      do k = 1, size(folds)
+         answer([edge(:2, folds(k)%edge(1)), edge(:2, folds(k)%edge(2))]) = .true.
+      end do
+   end function are_facing
+
+   !> First and last corner of every edge of an outline.
+   pure function edges_of(outline) result(edge)
+      type(outline_type), intent(in) :: outline
+      integer :: edge(2, outline%n)
+      integer :: c
+
+      edge = reshape([(c, outline%next(c), c=1, outline%n)], [2, outline%n])
+   end function edges_of
+
+   !> Unit vector, or none.
+   pure function unit(vector)
+      real(wp), intent(in) :: vector(2)
+      real(wp) :: unit(2)
+
+      unit = vector/max(norm2(vector), tiny(1.0_wp))
+   end function unit
+
+end module coulter_retile_slits
