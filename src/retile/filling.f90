@@ -5,7 +5,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_retile_filling
    use coulter_base_kinds, only: wp
-   use coulter_base_polygon, only: area_and_centroid, polygon_type
+   use coulter_base_polygon, only: area_and_centroid, polygon_type, side_of => turn
    use coulter_points_domains, only: add_domain, cut_domains, domain_list_type, weld_domains
    use coulter_points_outline, only: encloses, outline_type, sharp_corners
    use coulter_retile_outline_fitting, only: follow_outline, runs_along
@@ -22,8 +22,9 @@ module coulter_retile_filling
       !> Where the edge from every node to the next one in x and in y crosses the outline, shape
       !> (2, 2, nx, ny): component, direction of the edge, node.
       real(wp), allocatable :: crossing(:, :, :, :)
-      !> Does it, shape (2, nx, ny)?
-      logical, allocatable :: is_crossed(:, :, :)
+      !> Does it, and does it lead across a gap, from there or from its first node on, shape
+      !> (2, nx, ny)?
+      logical, allocatable :: is_crossed(:, :, :), is_wide(:, :, :)
    end type lattice_type
 
    !> Nodes this near move to the outline, over the spacing: less leaves slivers.
@@ -92,7 +93,7 @@ contains
       last = ceiling((maxval(outline%corner, dim=2) - origin)/spacing) + 1
       associate (n => last - first + 1)
          allocate (lattice%position(2, n(1), n(2)), lattice%crossing(2, 2, n(1), n(2)))
-         allocate (lattice%is_crossed(2, n(1), n(2)), source=.false.)
+         allocate (lattice%is_crossed(2, n(1), n(2)), lattice%is_wide(2, n(1), n(2)), source=.false.)
          allocate (lattice%state(n(1), n(2)), source=-1)
          do j = 1, n(2)
             do i = 1, n(1)
@@ -127,31 +128,98 @@ contains
       where (winding > 0) lattice%state = 1
    end subroutine mark_inside
 
-   !> Move the nearest node to every sharp corner, the sharpest first.
+   !> Move the nearest node to every sharp corner, the sharpest first; where gaps are kept, the
+   !> nearest first, and a corner whose node is taken takes the next one: both sides of a slit do.
    pure subroutine move_to_corners(lattice, outline, h)
       type(lattice_type), intent(inout) :: lattice
       type(outline_type), intent(in) :: outline
       real(wp), intent(in) :: h
       real(wp), allocatable :: turn(:)
-      real(wp) :: local(2)
       integer :: c, node(2)
 
       turn = sharp_corners(outline, chord*h)
       where (outline%is_feature) turn = huge(1.0_wp)
+      if (outline%keeps_gaps) then
+         do c = 1, outline%n
+            node = node_near(lattice, outline%corner(:, c))
+            if (turn(c) >= sharp) turn(c) = 10.0_wp*sharp - min(9.0_wp*sharp, norm2( &
+               lattice%position(:, node(1), node(2)) - outline%corner(:, c))/h)
+         end do
+      end if
       do
          c = maxloc(turn, dim=1)
          if (turn(c) < sharp) exit
          turn(c) = 0.0_wp
-         associate (first => lattice%position(:, 1, 1), n => shape(lattice%state))
-            ! the first nodes are outside and far from the outline: they have not moved
-            local = (outline%corner(:, c) - first)/(lattice%position(:, n(1), n(2)) - first)
-            node = 1 + nint(local*real(n - 1, wp))
-         end associate
+         node = node_near(lattice, outline%corner(:, c))
+         if (lattice%state(node(1), node(2)) == 0 .and. outline%keeps_gaps) then
+            node = free_node(lattice, node, outline, c)
+         end if
          if (lattice%state(node(1), node(2)) == 0) cycle
          lattice%position(:, node(1), node(2)) = outline%corner(:, c)
          lattice%state(node(1), node(2)) = 0
       end do
    end subroutine move_to_corners
+
+   !> The node that was nearest to a place before nodes moved.
+   pure function node_near(lattice, place) result(node)
+      type(lattice_type), intent(in) :: lattice
+      real(wp), intent(in) :: place(2)
+      integer :: node(2)
+      real(wp) :: local(2)
+
+      associate (first => lattice%position(:, 1, 1), n => shape(lattice%state))
+         ! the first nodes are outside and far from the outline: they have not moved
+         local = (place - first)/(lattice%position(:, n(1), n(2)) - first)
+         node = 1 + nint(local*real(n - 1, wp))
+      end associate
+   end function node_near
+
+   !> The nearest to a corner of the nodes around one that is neither on the outline nor across it;
+   !> the node itself if there is none.
+   pure function free_node(lattice, node, outline, c) result(free)
+      type(lattice_type), intent(in) :: lattice
+      integer, intent(in) :: node(2)
+      type(outline_type), intent(in) :: outline
+      integer, intent(in) :: c
+      integer :: free(2)
+      real(wp) :: least
+      integer :: i, j
+
+      free = node
+      least = huge(least)
+      do j = node(2) - 1, node(2) + 1
+         do i = node(1) - 1, node(1) + 1
+            associate (place => lattice%position(:, i, j))
+               if (lattice%state(i, j) == 0) cycle
+               if (norm2(place - outline%corner(:, c)) >= least) cycle
+               if (is_cut_off(outline, c, place)) cycle
+               least = norm2(place - outline%corner(:, c))
+            end associate
+            free = [i, j]
+         end do
+      end do
+   end function free_node
+
+   !> Does the way from a corner to a place cross an edge of the outline that is not at the corner?
+   pure function is_cut_off(outline, c, place) result(answer)
+      type(outline_type), intent(in) :: outline
+      integer, intent(in) :: c
+      real(wp), intent(in) :: place(2)
+      logical :: answer
+      integer :: k
+
+      answer = .true.
+      do k = 1, outline%n
+         if (k == c .or. k == outline%previous(c)) cycle
+         associate (a => outline%corner(:, k), b => outline%corner(:, outline%next(k)), &
+                    from => outline%corner(:, c))
+            if ((side_of(a, b, from) > 0.0_wp) .eqv. (side_of(a, b, place) > 0.0_wp)) cycle
+            if ((side_of(from, place, a) > 0.0_wp) .eqv. (side_of(from, place, b) > 0.0_wp)) cycle
+            return
+         end associate
+      end do
+      answer = .false.
+   end function is_cut_off
 
    !> Move the other nodes that are near the outline to it.
    pure subroutine move_to_outline(lattice, outline, h)
@@ -241,14 +309,19 @@ contains
                other = [i, j] + cell_node(:, merge(2, 4, k == 1))
                if (any(other > shape(lattice%state))) cycle
                states = [lattice%state(i, j), lattice%state(other(1), other(2))]
-               if (maxval(states) < 1 .or. minval(states) > 0) cycle
+               if (maxval(states) < 0 .or. minval(states) > 0) cycle
                ends(:, 1) = lattice%position(:, i, j)
                ends(:, 2) = lattice%position(:, other(1), other(2))
+               if (maxval(states) == 0) then
+                  if (outline%keeps_gaps .and. minval(states) == 0) lattice%is_wide(k, i, j) = &
+                     is_across(outline, ends(:, 1), ends(:, 2), h)
+                  cycle
+               end if
                if (states(1) < 1) ends = ends(:, [2, 1])
                place = first_crossing(outline, ends(:, 1), ends(:, 2))
-               lattice%is_crossed(k, i, j) = minval(states) < 0
-               if (minval(states) == 0) lattice%is_crossed(k, i, j) = &
+               if (minval(states) == 0) lattice%is_wide(k, i, j) = &
                   is_across(outline, place, ends(:, 2), h)
+               lattice%is_crossed(k, i, j) = minval(states) < 0 .or. lattice%is_wide(k, i, j)
                lattice%crossing(:, k, i, j) = place
             end do
          end do
@@ -300,8 +373,8 @@ contains
       place = from + nearest*(to - from)
    end function first_crossing
 
-   !> Append the part of a cell that is inside: its nodes inside and on the outline, and the
-   !> crossings between.
+   !> Append what of a cell is inside: its nodes inside and on the outline, and the crossings
+   !> between; in two parts where a gap leads through it.
    pure subroutine add_cell(lattice, outline, cell, cell_area, domains)
       type(lattice_type), intent(in) :: lattice
       type(outline_type), intent(in) :: outline
@@ -309,41 +382,89 @@ contains
       real(wp), intent(in) :: cell_area
       type(domain_list_type), intent(inout) :: domains
       type(polygon_type) :: polygon
+      integer :: state(8), first, last, tip, k
+      logical :: is_gap(8)
+
+      call walk_cell(lattice, cell, polygon, state, is_gap)
+      associate (n => polygon%n, gap => findloc(is_gap, .true., dim=1))
+         first = gap
+         last = findloc(is_gap, .true., dim=1, back=.true.)
+         tip = 0
+         if (count(is_gap) == 1) then
+            ! it ends at a node of the cell
+            tip = findloc([(state(k) == 0 .and. k /= gap .and. k /= modulo(gap, n) + 1, k=1, n)], &
+                          .true., dim=1)
+            first = min(gap, tip)
+            last = max(gap, tip)
+         end if
+         if (.not. outline%keeps_gaps .or. first == last .or. first == 0) then
+            call add_part(polygon, state, [(k, k=1, n)], outline, cell_area, domains)
+            return
+         end if
+         ! a tip belongs to both parts
+         call add_part(polygon, state, [(k, k=first + merge(0, 1, first == tip), last)], outline, &
+                       cell_area, domains)
+         call add_part(polygon, state, [(k, k=last + merge(0, 1, last == tip), n), &
+                                        (k, k=1, first)], outline, cell_area, domains)
+      end associate
+   end subroutine add_cell
+
+   !> Append a part of a cell.
+   pure subroutine add_part(whole, state, corners, outline, cell_area, domains)
+      !> Corners of all of it, and their states, see `walk_cell`.
+      type(polygon_type), intent(in) :: whole
+      integer, intent(in) :: state(8)
+      !> Numbers of the corners of the part.
+      integer, intent(in) :: corners(:)
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: cell_area
+      type(domain_list_type), intent(inout) :: domains
+      type(polygon_type) :: part
       logical :: is_on_outline(8), has_inside
       real(wp) :: area, centroid(2)
 
-      has_inside = any(lattice%state(cell(1):cell(1) + 1, cell(2):cell(2) + 1) > 0)
-      call walk_cell(lattice, cell, polygon, is_on_outline)
-      call cut_off_gaps(polygon, is_on_outline, outline, has_inside)
-      if (polygon%n < 3) return
-      call area_and_centroid(polygon%corner(:, :polygon%n), area, centroid)
+      part%n = size(corners)
+      part%corner = whole%corner(:, corners)
+      has_inside = any(state(corners) > 0)
+      is_on_outline(:part%n) = state(corners) == 0
+      call cut_off_gaps(part, is_on_outline, outline, has_inside)
+      if (part%n < 3) return
+      call area_and_centroid(part%corner(:, :part%n), area, centroid)
       if (area < smallest_share*cell_area) return
       if (.not. (has_inside .or. encloses(outline, centroid))) return
-      call add_domain(domains, polygon%corner(:, :polygon%n), 1)
-   end subroutine add_cell
+      call add_domain(domains, part%corner(:, :part%n), 1)
+   end subroutine add_part
 
-   !> Corners of the part of a cell that is inside.
-   pure subroutine walk_cell(lattice, cell, polygon, is_on_outline)
+   !> Corners of what of a cell is inside.
+   pure subroutine walk_cell(lattice, cell, polygon, state, is_gap)
       type(lattice_type), intent(in) :: lattice
       integer, intent(in) :: cell(2)
       type(polygon_type), intent(out) :: polygon
-      logical, intent(out) :: is_on_outline(8)
-      integer :: k, along, here(2), next(2), low(2), state
+      !> State of the nodes among them, -1 for crossings and beyond the last corner.
+      integer, intent(out) :: state(8)
+      !> Does a gap lie between a corner and the next one?
+      logical, intent(out) :: is_gap(8)
+      integer :: k, along, here(2), next(2), low(2), own
+      logical :: is_wide
 
       allocate (polygon%corner(2, 8))
-      is_on_outline = .false.
+      state = -1
+      is_gap = .false.
       do k = 1, 4
          here = cell + cell_node(:, k)
          next = cell + cell_node(:, modulo(k, 4) + 1)
-         state = lattice%state(here(1), here(2))
-         if (state >= 0) then
-            call append(polygon, lattice%position(:, here(1), here(2)))
-            is_on_outline(polygon%n) = state == 0
-         end if
+         own = lattice%state(here(1), here(2))
          low = min(here, next)
          along = merge(1, 2, here(2) == next(2))
+         is_wide = lattice%is_wide(along, low(1), low(2))
+         if (own >= 0) then
+            call append(polygon, lattice%position(:, here(1), here(2)))
+            state(polygon%n) = own
+            is_gap(polygon%n) = is_wide .and. own == 0
+         end if
          if (.not. lattice%is_crossed(along, low(1), low(2))) cycle
          call append(polygon, lattice%crossing(:, along, low(1), low(2)))
+         is_gap(polygon%n) = is_wide .and. own > 0
       end do
    end subroutine walk_cell
 
