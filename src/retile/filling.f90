@@ -93,7 +93,8 @@ contains
       last = ceiling((maxval(outline%corner, dim=2) - origin)/spacing) + 1
       associate (n => last - first + 1)
          allocate (lattice%position(2, n(1), n(2)), lattice%crossing(2, 2, n(1), n(2)))
-         allocate (lattice%is_crossed(2, n(1), n(2)), lattice%is_wide(2, n(1), n(2)), source=.false.)
+         allocate (lattice%is_crossed(2, n(1), n(2)), source=.false.)
+         allocate (lattice%is_wide(2, n(1), n(2)), source=.false.)
          allocate (lattice%state(n(1), n(2)), source=-1)
          do j = 1, n(2)
             do i = 1, n(1)
