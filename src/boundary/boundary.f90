@@ -96,6 +96,8 @@ module coulter_boundary
       real(wp) :: travel(2) = 0.0_wp, turned = 0.0_wp
       !> Displacement in the last step in which it moved, length units.
       real(wp) :: heading(2) = 0.0_wp
+      !> Rough ones: do they carry so little shear that what flows on them slides along?
+      logical :: slides = .false.
       !> Current centre of the rotation, length units; it moves with the displacement.
       real(wp) :: centre(2) = 0.0_wp
    contains

@@ -89,7 +89,7 @@ contains
    end function parts_here
 
    !> Does the tool cut in with a corner, so that both of its faces press what they part? What
-   !> sticks to rough faces goes along with them at the corner, too.
+   !> sticks to rough faces goes along with them at the corner, too, unless it slides along them.
    pure function cuts_in(tool, normal) result(answer)
       type(boundary_type), intent(in) :: tool
       real(wp), intent(in) :: normal(2, 2)
@@ -97,7 +97,7 @@ contains
       real(wp) :: advance(2)
 
       advance = matmul(way_of(tool), normal)
-      answer = .not. tool%is_rough .and. minval(advance) > 0.0_wp &
+      answer = (tool%slides .or. .not. tool%is_rough) .and. minval(advance) > 0.0_wp &
          .and. minval(advance) >= least_cut*maxval(advance)
    end function cuts_in
 

@@ -13,6 +13,7 @@ module coulter_step_accept
    use coulter_points, only: point_state_type
    use coulter_points_tiling, only: tile_centroid, values_at
    use coulter_setup_bonds, only: remember_bonds
+   use coulter_step_sliding, only: note_sliding
    use coulter_system, only: system_type
    use coulter_system_contact_state, only: whole_motion
    use coulter_system_patches, only: functions_in_patch, most_patch_nodes, patch_functions_type
@@ -65,6 +66,7 @@ contains
       end if
       call measure_volumes(model)
       call move_boundaries(model, system)
+      call note_sliding(model, system%contacts)
       model%time = system%end_time
       system%is_set_up = .false.
       system%last_stations = system%stations
