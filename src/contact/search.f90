@@ -281,13 +281,16 @@ contains
       type(tiling_type), intent(in) :: tiling
       integer, intent(in) :: e
       type(contact_type) :: contact
-      real(wp) :: ends(2, 2), place(2)
+      real(wp) :: ends(2, 2), place(2), along
       integer :: i
 
       do i = 1, size(approach%tips)
          associate (tip => approach%tips(i))
             if (tip%edge /= e .or. any(tip%is_open)) cycle
             ends = tiling%position(:, tiling%outer_edge(:2, e))
+            ! a corner of the body so near is reached by the face, and stands for its end
+            along = min(tip%share, 1.0_wp - tip%share)*norm2(ends(:, 2) - ends(:, 1))
+            if (along <= approach%slack) cycle
             contact = contact_type(boundary=approach%number, edge=e, tile=tiling%outer_edge(3, e), &
                                    tip=tip%vertex, share=tip%share, end_of_edge=1)
             contact%weight = tip_weight(boundary, approach%tips, tip, ends)

@@ -9,15 +9,15 @@ module coulter_step_sliding
    private
    public :: note_sliding
 
-   !> What carries less than this share of the shear strength slides. With Tresca's law the equivalent
-   !> stress is up to 2/sqrt(3) times what it is in plane strain.
+   !> What carries less than this share of the shear strength slides. With Tresca's law the
+   !> equivalent stress is up to 2/sqrt(3) times what it is in plane strain.
    real(wp), parameter :: least_held = 0.85_wp
 
 contains
 
-   !> Compare the limits of rough boundaries with the shear strength of the tiles that flow on them, as
-   !> these stresses tell it, by the mean over the stations that act; where nothing flows, what was
-   !> known stays.
+   !> Compare the limits of rough boundaries with the shear strength of the tiles that flow on them,
+   !> as these stresses tell it, by the mean over the stations that act; where nothing flows, what
+   !> was known stays.
    pure subroutine note_sliding(model, contacts)
       !> Scene at the end of a step.
       type(model_type), intent(inout) :: model
