@@ -76,8 +76,11 @@ CASES = [
     pipe(0, 16),
     pipe(1, 8),
     pipe(1, 8, 10),
+    pipe(1, 16),
     footing(0, 8),
     footing(1, 8),
+    footing(1, 8, 10),
+    footing(1, 16),
 ]
 
 
