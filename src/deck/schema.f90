@@ -397,7 +397,7 @@ module coulter_deck_schema
          "> 0 < 1", "largest accepted Newton correction over the displacement of the step"), &
       variable_rule_type("control", "augmentations", "integer", 1, 1, "", "1", ">= 0 <= 20", &
          "updates of `augmented` boundaries in a step"), &
-      variable_rule_type("control", "max_iterations", "integer", 1, 1, "", "25", &
+      variable_rule_type("control", "max_iterations", "integer", 1, 1, "", "75", &
          ">= 1 <= 1000", "Newton iterations before a step counts as failed"), &
       variable_rule_type("control", "max_halvings", "integer", 1, 1, "", "6", ">= 0 <= 30", &
          "how often a failed step may be halved"), &

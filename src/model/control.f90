@@ -76,7 +76,7 @@ module coulter_model_control
       !> Augmented Lagrangian updates in a step, for boundaries that use them.
       integer :: n_augmentations = 1
       !> Newton iterations before a step counts as failed.
-      integer :: max_iterations = 25
+      integer :: max_iterations = 75
       !> How often a failed step may be halved.
       integer :: max_halvings = 6
       !> Do bodies that find no equilibrium slide against a drag until they rest? Tiles only.
