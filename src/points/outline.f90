@@ -17,8 +17,8 @@ module coulter_points_outline
       integer, allocatable :: next(:), previous(:)
       !> Must a corner be kept however little the outline turns there? Shape (n).
       logical, allocatable :: is_feature(:)
-      !> Are gaps between parts of the outline left open however far they are from features?
-      logical :: keeps_gaps = .false.
+      !> Does a corner lie beside a slit that is left open? Unallocated where none is, shape (n).
+      logical, allocatable :: is_slit(:)
    end type outline_type
 
 contains

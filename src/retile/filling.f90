@@ -78,7 +78,7 @@ contains
             first = min(gap, tip)
             last = max(gap, tip)
          end if
-         if (.not. outline%keeps_gaps .or. first == last .or. first == 0) then
+         if (.not. allocated(outline%is_slit) .or. first == last .or. first == 0) then
             call add_part(polygon, state, [(k, k=1, n)], outline, cell_area, domains)
             return
          end if

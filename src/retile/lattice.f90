@@ -35,6 +35,9 @@ module coulter_retile_lattice
    !> Gaps behind corners of tools stay open where they are wider than this, and up to this far from
    !> there, over the spacing.
    real(wp), parameter :: least_gap = 0.05_wp, longest_gap = 3.0_wp
+   !> Where they are looked for between two places, as shares of the way: slits are narrow, and lie
+   !> at its ends.
+   real(wp), parameter :: along(3) = [0.5_wp, 0.05_wp, 0.95_wp]
    !> Nodes of a cell in counter-clockwise order.
    integer, parameter :: cell_node(2, 4) = reshape([0, 0, 1, 0, 1, 1, 0, 1], [2, 4])
 
@@ -116,8 +119,9 @@ contains
 
       turn = sharp_corners(outline, chord*h)
       where (outline%is_feature) turn = huge(1.0_wp)
-      if (outline%keeps_gaps) then
+      if (allocated(outline%is_slit)) then
          do c = 1, outline%n
+            if (.not. outline%is_slit(c)) cycle
             node = node_near(lattice, outline%corner(:, c))
             if (turn(c) >= sharp) turn(c) = 10.0_wp*sharp - min(9.0_wp*sharp, norm2( &
                lattice%position(:, node(1), node(2)) - outline%corner(:, c))/h)
@@ -128,8 +132,8 @@ contains
          if (turn(c) < sharp) exit
          turn(c) = 0.0_wp
          node = node_near(lattice, outline%corner(:, c))
-         if (lattice%state(node(1), node(2)) == 0 .and. outline%keeps_gaps) then
-            node = free_node(lattice, node, outline, c)
+         if (lattice%state(node(1), node(2)) == 0 .and. allocated(outline%is_slit)) then
+            if (outline%is_slit(c)) node = free_node(lattice, node, outline, c)
          end if
          if (lattice%state(node(1), node(2)) == 0) cycle
          lattice%position(:, node(1), node(2)) = outline%corner(:, c)
@@ -290,8 +294,9 @@ contains
                ends(:, 1) = lattice%position(:, i, j)
                ends(:, 2) = lattice%position(:, other(1), other(2))
                if (maxval(states) == 0) then
-                  if (outline%keeps_gaps .and. minval(states) == 0) lattice%is_wide(k, i, j) = &
-                     is_across(outline, ends(:, 1), ends(:, 2), h)
+                  if (allocated(outline%is_slit) .and. minval(states) == 0) then
+                     lattice%is_wide(k, i, j) = is_across(outline, ends(:, 1), ends(:, 2), h)
+                  end if
                   cycle
                end if
                if (states(1) < 1) ends = ends(:, [2, 1])
@@ -311,17 +316,22 @@ contains
    pure function is_across(outline, place, node, h) result(answer)
       type(outline_type), intent(in) :: outline
       real(wp), intent(in) :: place(2), node(2), h
-      logical :: answer
+      logical :: answer, is_slit
       integer :: c
 
       answer = .false.
       if (norm2(node - place) <= least_gap*h) return
-      answer = outline%keeps_gaps
+      is_slit = .false.
       do c = 1, outline%n
          if (outline%is_feature(c)) answer = answer &
             .or. norm2(outline%corner(:, c) - node) < longest_gap*h
+         if (.not. allocated(outline%is_slit)) cycle
+         if (outline%is_slit(c)) is_slit = is_slit .or. norm2(outline%corner(:, c) - node) &
+            < longest_gap*h
       end do
-      if (answer) answer = .not. encloses(outline, 0.5_wp*(place + node))
+      answer = answer .or. is_slit
+      if (answer) answer = .not. all([(encloses(outline, place + along(c)*(node - place)), &
+                                       c=1, merge(3, 1, is_slit))])
       if (answer) answer = .not. (runs_along(outline, place, node) &
                                   .or. runs_along(outline, node, place))
    end function is_across

@@ -15,6 +15,8 @@ module coulter_retile_slits
 
    !> Both sides step back by this, over the spacing, where they are nearer than twice as much.
    real(wp), parameter :: step_back = 0.06_wp
+   !> Corners nearer to the other side than this are beside a slit, over the spacing.
+   real(wp), parameter :: beside = 0.5_wp
    !> Vertices this near to an edge of the outline lie on it, over the spacing.
    real(wp), parameter :: on_edge = 1.0e-6_wp
    !> What is left of the step, so that corners of both sides stay two.
@@ -30,10 +32,9 @@ contains
       real(wp), allocatable, intent(out) :: shift(:, :)
       !> Grid spacing.
       real(wp), intent(in) :: spacing
-      type(fold_type), allocatable :: folds(:)
       logical :: is_beside(outline%n)
       real(wp) :: along(2)
-      integer :: c, k, i
+      integer :: c
 
       allocate (shift(2, outline%n))
       do c = 1, outline%n
@@ -41,17 +42,11 @@ contains
             + unit(outline%corner(:, c) - outline%corner(:, outline%previous(c)))
          shift(:, c) = step_back*spacing*unit([-along(2), along(1)])
       end do
-      call find_folds(folds, outline%corner + shift, edges_of(outline), 4.0_wp*step_back*spacing)
-      is_beside = .false.
-      do k = 1, size(folds)
-         do i = 1, 2
-            is_beside(folds(k)%edge(i)) = .true.
-            is_beside(outline%next(folds(k)%edge(i))) = .true.
-         end do
-      end do
+      is_beside = are_facing(outline%corner + shift, edges_of(outline), 4.0_wp*step_back*spacing)
       where (spread(.not. is_beside, 1, 2)) shift = 0.0_wp
       outline%corner = outline%corner + shift
-      outline%keeps_gaps = .true.
+      is_beside = are_facing(outline%corner, edges_of(outline), beside*spacing)
+      if (any(is_beside)) outline%is_slit = is_beside
    end subroutine open_slits
 
    !> Bring back what lies on sides that have stepped back.
