@@ -33,7 +33,8 @@ N_ENDS = {"indentation/wedge": 2}
 #: them.
 DEPTHS = {"wedge/paper": 0.1}
 TIPS = {"plough/plough": 0.56, "plough/share": 0.56, "plough/sand": 0.56,
-        "footing/footing": 0.75, "footing/friction": 0.75, "punch/undrained": 0.75}
+        "footing/footing": 0.75, "footing/friction": 0.75, "punch/undrained": 0.75,
+        "contact/trench": 0.75}
 
 
 def run(deck, folder, n_steps):
