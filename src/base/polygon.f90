@@ -6,7 +6,7 @@ module coulter_base_polygon
    private
    public :: polygon_type, clip_half_plane, clip_box, area_and_centroid, overlap_area, &
       find_overlap
-   public :: polyline_distance, contains_point, distance_to_segment, turn, winding_number
+   public :: append, polyline_distance, contains_point, distance_to_segment, turn, winding_number
 
    !> A polygon that can shrink and grow; corners beyond `n` are not meaningful.
    type :: polygon_type

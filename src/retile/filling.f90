@@ -5,7 +5,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_retile_filling
    use coulter_base_kinds, only: wp
-   use coulter_base_polygon, only: area_and_centroid, polygon_type
+   use coulter_base_polygon, only: append, area_and_centroid, polygon_type
    use coulter_points_domains, only: add_domain, cut_domains, domain_list_type, weld_domains
    use coulter_points_outline, only: encloses, outline_type
    use coulter_retile_lattice, only: cell_node, fit_lattice, lattice_type
@@ -196,14 +196,5 @@ contains
       if (answer) answer = .not. encloses(outline, matmul(ear, beside(:, 1)))
       if (answer) answer = .not. encloses(outline, matmul(ear, beside(:, 2)))
    end function is_outside
-
-   !> Add a corner; there must be room for it.
-   pure subroutine append(polygon, position)
-      type(polygon_type), intent(inout) :: polygon
-      real(wp), intent(in) :: position(2)
-
-      polygon%n = polygon%n + 1
-      polygon%corner(:, polygon%n) = position
-   end subroutine append
 
 end module coulter_retile_filling
