@@ -35,6 +35,7 @@ contains
       !> Which corner has passed what; unallocated when none has.
       character(len=:), allocatable, intent(inout) :: failure
       type(motion_type) :: motion
+      type(face_type), allocatable :: faces(:)
       integer :: b, e
 
       call check_ends(model, system, failure)
@@ -42,9 +43,10 @@ contains
       do b = 1, size(model%boundaries)
          if (model%boundaries(b)%is_bilateral .or. .not. model%boundaries(b)%is_active) cycle
          motion = whole_motion(system, model, b)
+         faces = moved_faces(model%boundaries(b), motion)
          do e = 1, size(model%tiling%outer_edge, 2)
             associate (corner => model%tiling%outer_edge(1, e))
-               if (.not. has_passed(model%boundaries(b), motion, &
+               if (.not. has_passed(model%boundaries(b), faces, motion, &
                                     model%tiling%position(:, corner), &
                                     system%map%increment(:, corner), &
                                     model%grid%smallest_spacing())) cycle
@@ -104,29 +106,43 @@ contains
       end do
    end subroutine check_ends
 
-   !> Does a corner cross a face from its front and end up behind it?
-   pure function has_passed(boundary, motion, position, increment, spacing) result(answer)
+   !> Faces of a boundary at the end of the step.
+   pure function moved_faces(boundary, motion) result(faces)
       type(boundary_type), intent(in) :: boundary
+      type(motion_type), intent(in) :: motion
+      type(face_type) :: faces(size(boundary%vertices, 2) - 1)
+      integer :: s
+
+      do s = 1, size(faces)
+         call new_face(faces(s), moved_by(motion, boundary%vertices(:, s)), &
+                       moved_by(motion, boundary%vertices(:, s + 1)), boundary%bulge(s))
+      end do
+   end function moved_faces
+
+   !> Does a corner cross a face from its front and end up behind it?
+   pure function has_passed(boundary, faces, motion, position, increment, spacing) result(answer)
+      type(boundary_type), intent(in) :: boundary
+      !> Its faces at the end of the step, and how it got there.
+      type(face_type), intent(in) :: faces(:)
       type(motion_type), intent(in) :: motion
       real(wp), intent(in) :: position(2), increment(2), spacing
       logical :: answer
-      type(face_type) :: face
       type(place_type) :: before, after
       real(wp) :: depth
       integer :: s
 
       answer = .true.
       depth = max(passed*boundary%band_ratio, least_depth)*spacing
-      do s = 1, size(boundary%vertices, 2) - 1
-         call new_face(face, moved_by(motion, boundary%vertices(:, s)), &
-                       moved_by(motion, boundary%vertices(:, s + 1)), boundary%bulge(s))
-         after = place_on(face, position - face%first, increment)
-         if (after%gap > -depth) cycle
-         before = place_on(face, moved_by(motion, position) - face%first, [0.0_wp, 0.0_wp])
-         if (before%gap < -depth) cycle
-         if (.not. any(slides_off(face, before, after, spacing, &
-                                  [is_pocket(boundary%vertices, s - 1), &
-                                   is_pocket(boundary%vertices, s)]))) return
+      do s = 1, size(faces)
+         associate (face => faces(s))
+            after = place_on(face, position - face%first, increment)
+            if (after%gap > -depth) cycle
+            before = place_on(face, moved_by(motion, position) - face%first, [0.0_wp, 0.0_wp])
+            if (before%gap < -depth) cycle
+            if (.not. any(slides_off(face, before, after, spacing, &
+                                     [is_pocket(boundary%vertices, s - 1), &
+                                      is_pocket(boundary%vertices, s)]))) return
+         end associate
       end do
       answer = .false.
    end function has_passed
