@@ -43,6 +43,8 @@ EDGE_COLOUR = (1.0, 1.0, 1.0, 0.4)
 OUTLIERS, STICKING_OUT = 0.002, 0.25
 #: Height of the title of a panel and its ticks, and least width of a panel (inches).
 TITLE, LEAST_WIDTH = 0.42, 1.5
+#: Tools whose mean thickness is a smaller share of the picture have no room for their name.
+SLENDER = 0.04
 #: Most residual curves that get a label each.
 MOST_LABELS = 10
 #: Most points whose domains get an edge each.
@@ -386,8 +388,25 @@ def _draw_outline(panel: Axes, frame: Frame) -> None:
 
 
 def _draw_boundary(panel: Axes, boundary: Boundary, view: np.ndarray) -> None:
-    """The polyline, with its name outside the material, where most of a segment is to be seen."""
-    panel.plot(*boundary.polyline().T, color=INK, linewidth=2.0, solid_capstyle="round")
+    """The polyline, with its name outside the material, where most of a segment is to be seen.
+
+    Slender tools have no room for it: it stands above them.
+    """
+    polyline = boundary.polyline()
+    panel.plot(*polyline.T, color=INK, linewidth=2.0, solid_capstyle="round")
+    if _thickness(polyline) < SLENDER * (view[1] - view[0]).max() and np.all(polyline <= view[1]):
+        top = polyline[np.argmax(polyline[:, 1])]
+        panel.annotate(
+            boundary.name,
+            top,
+            xytext=(0.0, 4.0),
+            textcoords="offset points",
+            ha="center",
+            va="bottom",
+            fontsize=7,
+            color=INK,
+        )
+        return
     share = np.linspace(0.0, 1.0, 101)[:, None]
     seen, most, along = [], 0.0, np.zeros(2)
     for start, end in zip(boundary.vertices[:-1], boundary.vertices[1:], strict=True):
@@ -412,6 +431,15 @@ def _draw_boundary(panel: Axes, boundary: Boundary, view: np.ndarray) -> None:
         color=INK,
         rotation_mode="anchor",
     )
+
+
+def _thickness(polyline: np.ndarray) -> float:
+    """Mean thickness of what a closed polyline bounds, infinite for an open one."""
+    if not np.allclose(polyline[0], polyline[-1]):
+        return np.inf
+    x, y = polyline.T
+    area = 0.5 * abs(float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])))
+    return 2.0 * area / float(np.linalg.norm(np.diff(polyline, axis=0), axis=1).sum())
 
 
 def _set_view(panel: Axes, view: np.ndarray) -> None:

@@ -20,6 +20,7 @@ from coulter_post import Results  # noqa: E402
 from coulter_post import figures  # noqa: E402
 from coulter_post.__main__ import main  # noqa: E402
 from coulter_post.fields import FIELDS  # noqa: E402
+from coulter_post.results import Boundary  # noqa: E402
 
 N_STEPS = 4
 
@@ -107,6 +108,17 @@ def test_few_outliers_do_not_set_the_colours():
     assert norm.vmin > -0.01 and norm.vmax == 1.0 and extend == "min"
     constant, extend = figures._colour_limits([np.zeros(5)])
     assert (constant.vmin, constant.vmax, extend) == (0.0, 0.0, "neither")
+
+
+@pytest.mark.parametrize(("thickness", "stands_above"), [(0.1, True), (2.0, False)])
+def test_names_of_slender_tools_stand_above_them(thickness, stands_above):
+    right, top = 1.0 + thickness, 3.0
+    corners = [[1.0, 0.0], [1.0, top], [right, top], [right, 0.0], [1.0, 0.0]]
+    panel = figures.Figure().subplots()
+    view = np.array([[0.0, -4.0], [8.0, 4.0]])
+    figures._draw_boundary(panel, Boundary("blade", "roller", np.array(corners), True), view)
+    (name,) = panel.texts
+    assert (name.xy[1] == top and name.xyann[1] > 0.0) == stands_above
 
 
 def test_frames_by_index_and_by_step(results):
