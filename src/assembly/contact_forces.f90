@@ -160,6 +160,8 @@ contains
          place%place_type = place_on(contact%face, contact%offset, moved(:, 1))
       end if
       lag = contact%lag + (1.0_wp - contact%share)*moved(:, 1) + contact%share*moved(:, 2)
+      ! nothing below asks for the gap but to press with
+      place%gap = place%gap + contact%shift
       penalty = penalties(model, contact)
       call find_material_traction(system, model, contact, response, material, by_vertices)
       angle = system%border%motion(contact%boundary)%rotation

@@ -15,7 +15,7 @@ module coulter_newton
    use coulter_newton_landing, only: land_free_tools
    use coulter_newton_line_search, only: advance
    use coulter_system, only: system_type
-   use coulter_system_contact_state, only: augment_contacts
+   use coulter_system_contact_state, only: augment_contacts, push_out
    implicit none(type, external)
    private
    public :: newton_type, solve_newton
@@ -37,6 +37,8 @@ module coulter_newton
    !> elastic stiffness that mends it.
    real(wp), parameter :: largest_growth = 10.0_wp, notable_residual = 1.0e-3_wp, &
       mending_share = 0.3_wp
+   !> Rounds in which corners that are too deep behind faces are pushed out.
+   integer, parameter :: most_rounds = 5
    !> Residual of smooth contacts below which they begin to rub.
    real(wp), parameter :: near = 0.1_wp
 
@@ -215,7 +217,7 @@ contains
    end subroutine judge
 
    !> After equilibrium: the next round of the augmented Lagrangian method, unless none is left or
-   !> needed.
+   !> needed, or one that pushes out what is too deep.
    subroutine begin_round(newton, system, model, round, is_last)
       type(newton_type), intent(inout) :: newton
       type(system_type), intent(inout) :: system
@@ -224,9 +226,9 @@ contains
       logical, intent(out) :: is_last
       logical :: has_changed
 
-      is_last = round == model%control%n_augmentations
-      if (is_last) return
-      call augment_contacts(system, model, has_changed)
+      has_changed = .false.
+      if (round < model%control%n_augmentations) call augment_contacts(system, model, has_changed)
+      if (.not. has_changed .and. round < most_rounds) call push_out(system, model, has_changed)
       is_last = .not. has_changed
       if (is_last) return
       round = round + 1

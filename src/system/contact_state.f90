@@ -11,7 +11,7 @@ module coulter_system_contact_state
    use coulter_system, only: system_type
    implicit none(type, external)
    private
-   public :: motion_of, whole_motion, locate, decide, augment_contacts, touching
+   public :: motion_of, whole_motion, locate, decide, augment_contacts, push_out, touching
 
    !> Gaps below this share of the spacing count as closed: round-off of a body that starts on a
    !> wall.
@@ -20,6 +20,9 @@ module coulter_system_contact_state
    real(wp), parameter :: tip_slack = 0.5_wp
    !> A corner that has changed its face more often than this in a step stays with the last one.
    integer, parameter :: most_changes = 6
+   !> Corners that are deeper behind a face than this in equilibrium, over the spacing, are pushed
+   !> out.
+   real(wp), parameter :: too_deep = 0.018_wp
 
 contains
 
@@ -165,5 +168,31 @@ contains
          end associate
       end do
    end subroutine augment_contacts
+
+   !> Let faces press harder on corners that are too deep behind them, by what the penalty made of
+   !> their depth: a step of Uzawa's method. Nothing is left of it after the step.
+   pure subroutine push_out(system, model, has_changed)
+      !> System in equilibrium.
+      type(system_type), intent(inout) :: system
+      !> Scene.
+      type(model_type), intent(in) :: model
+      !> Was any corner too deep?
+      logical, intent(out) :: has_changed
+      type(place_type) :: place
+      real(wp) :: position(2)
+      integer :: k
+
+      has_changed = .false.
+      do k = 1, system%contacts%n
+         associate (contact => system%contacts%item(k))
+            if (.not. contact%is_acting .or. contact%is_bilateral) cycle
+            if (contact%give > 0.0_wp .or. contact%leans) cycle
+            call locate(contact, motion_of(system, contact), place, position)
+            if (place%gap > -too_deep*model%grid%smallest_spacing()) cycle
+            contact%shift = contact%shift + place%gap
+            has_changed = .true.
+         end associate
+      end do
+   end subroutine push_out
 
 end module coulter_system_contact_state
