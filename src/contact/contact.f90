@@ -53,8 +53,8 @@ module coulter_contact
       !> Traction (normal, tangential) that earlier rounds and steps left, for augmented
       !> formulations, and that of the current iteration, stress units.
       real(wp) :: memory(2) = 0.0_wp, traction(2) = 0.0_wp
-      !> How far behind its face the corner got in earlier rounds of the step, not positive: the face
-      !> presses as if it stood before itself by that, length units.
+      !> How far the corner got behind its face in earlier rounds of the step, not positive: the
+      !> face presses as if it stood before itself by that, length units.
       real(wp) :: shift = 0.0_wp
       !> Where the boundary holds tension: largest opening so far, before and after the step, length
       !> units; `untouched` before they first meet, `broken` once nothing holds any more.
