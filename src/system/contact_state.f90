@@ -20,9 +20,10 @@ module coulter_system_contact_state
    real(wp), parameter :: tip_slack = 0.5_wp
    !> A corner that has changed its face more often than this in a step stays with the last one.
    integer, parameter :: most_changes = 6
-   !> Corners that are deeper behind a face than this in equilibrium, over the spacing, are pushed
-   !> out.
-   real(wp), parameter :: too_deep = 0.018_wp
+   !> Corners that are deeper behind a face than the first in equilibrium, over the spacing, are
+   !> pushed out. A step that leaves any deeper than the second went past the face; what hardly
+   !> looks at it, by a share of the spacing, does not count.
+   real(wp), parameter :: too_deep(2) = [0.018_wp, 0.05_wp], hardly = 1.0e-3_wp
 
 contains
 
@@ -179,20 +180,23 @@ contains
       !> Was any corner too deep?
       logical, intent(out) :: has_changed
       type(place_type) :: place
-      real(wp) :: position(2)
+      real(wp) :: position(2), depth(system%contacts%n)
       integer :: k
 
-      has_changed = .false.
+      depth = 0.0_wp
       do k = 1, system%contacts%n
-         associate (contact => system%contacts%item(k))
+         associate (contact => system%contacts%item(k), spacing => model%grid%smallest_spacing())
             if (.not. contact%is_acting .or. contact%is_bilateral) cycle
             if (contact%give > 0.0_wp .or. contact%leans) cycle
+            if (contact%weight < hardly*spacing) cycle
             call locate(contact, motion_of(system, contact), place, position)
-            if (place%gap > -too_deep*model%grid%smallest_spacing()) cycle
-            contact%shift = contact%shift + place%gap
-            has_changed = .true.
+            depth(k) = -place%gap/spacing
          end associate
       end do
+      has_changed = any(depth > too_deep(1)) .and. .not. any(depth > too_deep(2))
+      if (.not. has_changed) return
+      where (depth > too_deep(1)) system%contacts%item(:system%contacts%n)%shift &
+         = system%contacts%item(:system%contacts%n)%shift - depth*model%grid%smallest_spacing()
    end subroutine push_out
 
 end module coulter_system_contact_state
