@@ -9,7 +9,7 @@ module coulter_points_folds
    use coulter_base_polygon, only: turn
    implicit none(type, external)
    private
-   public :: fold_type, find_folds
+   public :: fold_type, find_folds, deepest_overlap
 
    !> Two edges that meet.
    type :: fold_type
@@ -30,6 +30,8 @@ module coulter_points_folds
       integer, allocatable :: corner(:, :)
       !> First end, last end and middle, length units, shape (2, n); outward normal, shape (2, n).
       real(wp), allocatable :: first(:, :), last(:, :), middle(:, :), normal(:, :)
+      !> Half lengths, length units, shape (n).
+      real(wp), allocatable :: half(:)
       !> Edges that begin and end where another ends and begins, shape (n).
       integer, allocatable :: next(:), previous(:)
    end type edges_type
@@ -66,11 +68,12 @@ contains
       allocate (folds(16))
       n = 0
       call measure_edges(edges, position, edge)
-      call new_bins(bins, edges%middle, distance + maxval([0.0_wp, norm2(edges%last - edges%first, &
-                                                                         dim=1)]))
+      call new_bins(bins, edges%middle, distance + 2.0_wp*maxval([0.0_wp, edges%half]))
       do e = 1, size(edge, 2)
          near = bins%near(edges%middle(:, e))
          do k = 1, size(near)
+            if (near(k) <= e) cycle
+            if (.not. may_meet(edges, e, near(k), distance)) cycle
             call meet(fold, edges, e, near(k), distance, do_meet)
             if (.not. do_meet) cycle
             if (n == size(folds)) folds = [folds, folds]
@@ -80,6 +83,18 @@ contains
       end do
       folds = folds(:n)
    end subroutine find_folds
+
+   !> How far do edges of an outline lie over each other? 0 where they do not.
+   pure function deepest_overlap(position, edge) result(depth)
+      !> See `find_folds`.
+      real(wp), intent(in) :: position(:, :)
+      integer, intent(in) :: edge(:, :)
+      real(wp) :: depth
+      type(fold_type), allocatable :: folds(:)
+
+      call find_folds(folds, position, edge, 0.0_wp)
+      depth = -minval([0.0_wp, folds%gap])
+   end function deepest_overlap
 
    !> Places, normals and neighbours of all edges.
    pure subroutine measure_edges(edges, position, edge)
@@ -92,13 +107,15 @@ contains
       edges%first = position(:, edge(1, :))
       edges%last = position(:, edge(2, :))
       edges%middle = 0.5_wp*(edges%first + edges%last)
+      edges%half = 0.5_wp*norm2(edges%last - edges%first, dim=1)
       allocate (edges%normal(2, size(edge, 2)), edges%next(size(edge, 2)))
       allocate (edges%previous(size(edge, 2)), source=0)
       ! chains need not close: tiles that overlap hide edges from each other
       leaving = 0
       do e = 1, size(edge, 2)
          associate (along => edges%last(:, e) - edges%first(:, e))
-            edges%normal(:, e) = [along(2), -along(1)]/max(norm2(along), tiny(1.0_wp))
+            edges%normal(:, e) = [along(2), -along(1)] &
+               /max(2.0_wp*edges%half(e), tiny(1.0_wp))
          end associate
          leaving(edge(1, e)) = e
       end do
@@ -107,6 +124,20 @@ contains
          if (edges%next(e) > 0) edges%previous(edges%next(e)) = e
       end do
    end subroutine measure_edges
+
+   !> May two edges meet? A look at their middles and normals spares most the rest.
+   pure function may_meet(edges, e, f, distance) result(answer)
+      type(edges_type), intent(in) :: edges
+      integer, intent(in) :: e, f
+      real(wp), intent(in) :: distance
+      logical :: answer
+      real(wp) :: way
+
+      way = maxval(abs(edges%middle(:, f) - edges%middle(:, e)))
+      answer = way <= edges%half(e) + edges%half(f)
+      if (answer .or. way > distance + max(edges%half(e), edges%half(f))) return
+      answer = dot_product(edges%normal(:, e), edges%normal(:, f)) <= opposed
+   end function may_meet
 
    !> Do two edges meet, and how?
    pure subroutine meet(fold, edges, e, f, distance, answer)
@@ -117,7 +148,6 @@ contains
       logical, intent(out) :: answer
 
       answer = .false.
-      if (f <= e) return
       if (any(edges%corner(:, e) == edges%corner(1, f)) &
           .or. any(edges%corner(:, e) == edges%corner(2, f))) return
       call cross(fold, edges, e, f, answer)

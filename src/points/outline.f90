@@ -5,7 +5,7 @@ module coulter_points_outline
    use coulter_base_polygon, only: area_and_centroid, winding_number
    implicit none(type, external)
    private
-   public :: outline_type, trace_outline, sharp_corners, insert_corner, encloses
+   public :: outline_type, trace_outline, sharp_corners, insert_corner, encloses, edges_of
 
    !> Closed loops, material on the left, one after the other.
    type :: outline_type
@@ -89,6 +89,16 @@ contains
          end do
       end do
    end subroutine follow
+
+   !> First and last corner of every edge of an outline.
+   pure function edges_of(outline) result(edge)
+      !> The outline.
+      type(outline_type), intent(in) :: outline
+      integer :: edge(2, outline%n)
+      integer :: c
+
+      edge = reshape([(c, outline%next(c), c=1, outline%n)], [2, outline%n])
+   end function edges_of
 
    !> How far the outline turns at every corner between the chords to the places at some distance
    !> along it: 0 to pi, shape (n).

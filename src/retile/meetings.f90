@@ -10,7 +10,8 @@ module coulter_retile_meetings
    use coulter_model, only: model_type
    use coulter_model_observer, only: add_warning, step_report_type
    use coulter_points_folds, only: find_folds, fold_type
-   use coulter_points_outline, only: encloses, outline_type, trace_outline
+   use coulter_points_outline, only: edges_of, encloses, outline_type, &
+      trace_outline
    use coulter_retile_outline_union, only: bridge_gaps, unite_loops
    use coulter_system, only: system_type
    use coulter_system_contact_state, only: whole_motion
@@ -103,12 +104,10 @@ contains
       !> Smallest area of a loop that is kept.
       real(wp), intent(in) :: least_area
       type(fold_type), allocatable :: folds(:)
-      integer :: b, c
+      integer :: b
 
       associate (h => model%grid%smallest_spacing())
-         call find_folds(folds, outline%corner, &
-                         reshape([(c, outline%next(c), c=1, outline%n)], [2, outline%n]), &
-                         touching*h)
+         call find_folds(folds, outline%corner, edges_of(outline), touching*h)
          do b = 1, size(model%boundaries)
             call drop_separated(folds, model%boundaries(b), motion_type())
          end do

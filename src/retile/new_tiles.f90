@@ -3,7 +3,8 @@
 module coulter_retile_new_tiles
    use coulter_base_kinds, only: wp
    use coulter_model, only: model_type
-   use coulter_points_outline, only: outline_type, trace_outline
+   use coulter_points_folds, only: deepest_overlap
+   use coulter_points_outline, only: edges_of, outline_type, trace_outline
    use coulter_points_parts, only: find_parts, part_type
    use coulter_points_tiling, only: corner_gradients, new_tiling, tiling_type
    use coulter_retile_filling, only: tile_outline
@@ -28,6 +29,8 @@ module coulter_retile_new_tiles
    real(wp), parameter :: bonded = 0.05_wp
    !> Largest shift of free corners that restores the area, over the spacing.
    real(wp), parameter :: farthest_shift = 0.05_wp
+   !> Tiles that lie over each other by this much more than their outline are none, over the spacing.
+   real(wp), parameter :: tolerated = 0.05_wp
 
 contains
 
@@ -39,20 +42,24 @@ contains
       type(tiling_type), intent(out) :: tiling
       !> Body of every tile, shape (n_tiles).
       integer, allocatable, intent(out) :: owner(:)
-      !> Would bodies that share corners do so no more, or has a tile no area?
+      !> Would bodies that share corners do so no more, has a tile no area, or do tiles lie over each
+      !> other?
       logical, intent(out) :: has_failed
       type(interfaces_type) :: interfaces
       real(wp), allocatable :: vertices(:, :, :), all_vertices(:, :, :)
       integer, allocatable :: field(:)
       integer :: piece(model%points%n_points), b, k, p
       real(wp) :: gradient(2, 4), area
+      logical :: lies_over, do_lie_over
 
+      do_lie_over = .false.
       call find_interfaces(interfaces, model%tiling, model%points%body)
       call find_pieces(piece, model, interfaces)
       allocate (owner(0), field(0), all_vertices(2, 4, 0))
       do k = 1, maxval(piece)
          b = model%points%body(findloc(piece, k, dim=1))
-         call tile_piece(vertices, model, b, piece == k, interfaces)
+         call tile_piece(vertices, model, b, piece == k, interfaces, lies_over)
+         do_lie_over = do_lie_over .or. lies_over
          all_vertices = reshape([all_vertices, vertices], [2, 4, size(owner) + size(vertices, 3)])
          owner = [owner, spread(b, 1, size(vertices, 3))]
          ! pieces of a body that meet share no corners
@@ -61,7 +68,7 @@ contains
                                 1, size(vertices, 3))]
       end do
       call new_tiling(tiling, all_vertices, corner_tolerance*model%grid%smallest_spacing(), field)
-      has_failed = size(owner) == 0 &
+      has_failed = size(owner) == 0 .or. do_lie_over &
          .or. is_torn(interfaces, tiling, bonded*model%grid%smallest_spacing())
       do p = 1, size(owner)
          call corner_gradients(tiling%position(:, tiling%corner(:, p)), gradient, area)
@@ -97,7 +104,7 @@ contains
    end subroutine find_pieces
 
    !> New tiles of a piece.
-   pure subroutine tile_piece(vertices, model, b, is_mine, interfaces)
+   pure subroutine tile_piece(vertices, model, b, is_mine, interfaces, lies_over)
       !> Corners of the tiles, shape (2, 4, n).
       real(wp), allocatable, intent(out) :: vertices(:, :, :)
       type(model_type), intent(in) :: model
@@ -105,9 +112,11 @@ contains
       integer, intent(in) :: b
       logical, intent(in) :: is_mine(:)
       type(interfaces_type), intent(in) :: interfaces
+      !> Do tiles lie over each other where the outline does not?
+      logical, intent(out) :: lies_over
       type(outline_type) :: outline
       real(wp), allocatable :: shift(:, :)
-      real(wp) :: edge(2)
+      real(wp) :: edge(2), depth
 
       edge = model%grid%spacing/real(model%bodies(b)%points_per_cell, wp)
       call trace_outline(outline, model%tiling%position, edges_of_tiles(interfaces, is_mine), &
@@ -117,19 +126,23 @@ contains
          call join_surfaces(outline, model, smallest_loop*product(edge))
       end if
       call trim_outline(outline, model%boundaries, model%grid%smallest_spacing())
+      depth = deepest_overlap(outline%corner, edges_of(outline))
       if (model%bodies(b)%meets_itself) call open_slits(outline, shift, minval(edge))
       call tile_outline(outline, model%grid%origin, edge, vertices)
       if (model%bodies(b)%meets_itself) call close_slits(vertices, outline, shift, minval(edge))
-      call settle_corners(vertices, model, is_mine, interfaces)
+      call settle_corners(vertices, model, is_mine, interfaces, depth)
+      lies_over = depth > tolerated*model%grid%smallest_spacing()
    end subroutine tile_piece
 
    !> Push corners out of tools, and shift free ones: new tiles of a piece get the area of its old
    !> ones.
-   pure subroutine settle_corners(vertices, model, is_mine, interfaces)
+   pure subroutine settle_corners(vertices, model, is_mine, interfaces, depth)
       real(wp), intent(inout) :: vertices(:, :, :)
       type(model_type), intent(in) :: model
       logical, intent(in) :: is_mine(:)
       type(interfaces_type), intent(in) :: interfaces
+      !> How far the outline lies over itself; on return, how much farther the tiles do.
+      real(wp), intent(inout) :: depth
       type(tiling_type) :: tiling
       logical, allocatable :: is_free(:)
       real(wp) :: h, area, total, gradient(2, 4)
@@ -156,6 +169,7 @@ contains
          is_free(c) = .not. is_on_other_piece(model, is_mine, tiling%position(:, c), bonded*h)
       end do
       call restore_area(tiling, is_free, total, farthest_shift*h)
+      depth = deepest_overlap(tiling%position, tiling%outer_edge) - depth
       do p = 1, size(vertices, 3)
          vertices(:, :, p) = tiling%position(:, tiling%corner(:, p))
       end do

@@ -3,7 +3,8 @@
 module coulter_retile_outline_union
    use coulter_base_kinds, only: wp
    use coulter_points_folds, only: find_folds, fold_type
-   use coulter_points_outline, only: encloses, insert_corner, outline_type, trace_outline
+   use coulter_points_outline, only: edges_of, encloses, insert_corner, outline_type, &
+      trace_outline
    implicit none(type, external)
    private
    public :: bridge_gaps, unite_loops
@@ -77,8 +78,7 @@ contains
       integer, allocatable :: edge(:, :)
       integer :: c, k
 
-      call find_folds(folds, outline%corner, &
-                      reshape([(c, outline%next(c), c=1, outline%n)], [2, outline%n]), 0.0_wp)
+      call find_folds(folds, outline%corner, edges_of(outline), 0.0_wp)
       if (size(folds) == 0) return
       call split_edges(outline, folds, position, edge)
       call drop_buried(outline, position, edge)

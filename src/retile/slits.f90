@@ -8,7 +8,7 @@ module coulter_retile_slits
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: distance_to_segment
    use coulter_points_folds, only: find_folds, fold_type
-   use coulter_points_outline, only: outline_type
+   use coulter_points_outline, only: edges_of, outline_type
    implicit none(type, external)
    private
    public :: open_slits, close_slits, are_facing
@@ -96,15 +96,6 @@ contains
          answer([edge(:2, folds(k)%edge(1)), edge(:2, folds(k)%edge(2))]) = .true.
       end do
    end function are_facing
-
-   !> First and last corner of every edge of an outline.
-   pure function edges_of(outline) result(edge)
-      type(outline_type), intent(in) :: outline
-      integer :: edge(2, outline%n)
-      integer :: c
-
-      edge = reshape([(c, outline%next(c), c=1, outline%n)], [2, outline%n])
-   end function edges_of
 
    !> Unit vector, or none.
    pure function unit(vector)
