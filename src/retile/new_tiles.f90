@@ -29,7 +29,8 @@ module coulter_retile_new_tiles
    real(wp), parameter :: bonded = 0.05_wp
    !> Largest shift of free corners that restores the area, over the spacing.
    real(wp), parameter :: farthest_shift = 0.05_wp
-   !> Tiles that lie over each other by this much more than their outline are none, over the spacing.
+   !> Tiles that lie over each other by this much more than their outline are refused, over the
+   !> spacing.
    real(wp), parameter :: tolerated = 0.05_wp
 
 contains
@@ -42,8 +43,8 @@ contains
       type(tiling_type), intent(out) :: tiling
       !> Body of every tile, shape (n_tiles).
       integer, allocatable, intent(out) :: owner(:)
-      !> Would bodies that share corners do so no more, has a tile no area, or do tiles lie over each
-      !> other?
+      !> Would bodies that share corners do so no more, has a tile no area, or do tiles lie over
+      !> each other?
       logical, intent(out) :: has_failed
       type(interfaces_type) :: interfaces
       real(wp), allocatable :: vertices(:, :, :), all_vertices(:, :, :)
