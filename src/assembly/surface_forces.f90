@@ -156,7 +156,7 @@ contains
                                by_vertices)
          turn = at_corners_of(pair, place%turn_slope)
          call resolve(own, place, material, by_vertices, turn)
-         carried(1)%value = own(1)%value + penalty(1)*place%gap
+         carried(1)%value = own(1)%value + penalty(1)*(place%gap + pair%shift)
          carried(1)%slope = own(1)%slope + penalty(1)*at_corners_of(pair, place%gap_slope)
          pair%is_acting = carried(1)%value &
             < touching*penalty(1)*model%grid%smallest_spacing() &
@@ -166,7 +166,7 @@ contains
       end associate
       pair%traction = carried%value
       pair%weight = place%width*pair%length
-      pair%gap = place%gap
+      pair%gap = place%least
       pair%force = -pair%weight*(carried(1)%value*place%normal + carried(2)%value*place%tangent)
       call share_out(pair, place, carried, turn, force, stiffness)
    end subroutine add_pair

@@ -23,6 +23,8 @@ module coulter_contact_edge_pair
       real(wp) :: other = 0.0_wp, other_slope(most_slopes) = 0.0_wp
       !> Distance between the edges there, negative where they overlap, length units.
       real(wp) :: gap = 0.0_wp, gap_slope(most_slopes) = 0.0_wp
+      !> The least distance, at one of the ends of what is covered.
+      real(wp) :: least = 0.0_wp
       !> Unit vector along the own edge and unit normal into its material.
       real(wp) :: tangent(2) = 0.0_wp, normal(2) = 0.0_wp
       !> How both turn counter-clockwise, radians per length.
@@ -79,6 +81,7 @@ contains
       pair%gap = away(1) + pair%other*(away(2) - away(1))
       pair%gap_slope = away_slope(:, 1) + pair%other*(away_slope(:, 2) - away_slope(:, 1)) &
          + pair%other_slope*(away(2) - away(1))
+      pair%least = away(1) + minval((limit - along(1))/(along(2) - along(1))*(away(2) - away(1)))
    end subroutine compare_edges
 
    !> Slopes of a product of a vector with the way from the first end of the own edge to an end of

@@ -10,7 +10,7 @@ module coulter_contact_surface_pairs
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
    private
-   public :: surface_pair_type, find_surface_pairs, recall_surface_pairs, reach_along
+   public :: surface_pair_type, find_surface_pairs, recall_surface_pairs, push_apart, reach_along
 
    !> Half an edge of a body against an edge of another one.
    type :: surface_pair_type
@@ -31,10 +31,13 @@ module coulter_contact_surface_pairs
       !> Way along the edge from where both stick, before and after the step, and way in the step,
       !> length units.
       real(wp) :: lag = 0.0_wp, new_lag = 0.0_wp, way = 0.0_wp
-      !> Traction (normal, along the edge), stress units; length that it acts on, and distance of
-      !> both, negative where they overlap, length units; force on the own body; place.
+      !> Traction (normal, along the edge), stress units; length that it acts on, and least
+      !> distance of both there, negative where they overlap, length units; force on the own body; place.
       real(wp) :: traction(2) = 0.0_wp, weight = 0.0_wp, gap = 0.0_wp, force(2) = 0.0_wp, &
          place(2) = 0.0_wp
+      !> Overlap that earlier rounds of the step left, not positive: both press as if they
+      !> overlapped by that much more, length units.
+      real(wp) :: shift = 0.0_wp
    end type surface_pair_type
 
    !> Outer edges of a body.
@@ -201,6 +204,21 @@ contains
          end associate
       end do
    end subroutine recall_surface_pairs
+
+   !> Let pairs that overlap too far in equilibrium press harder: a step of Uzawa's method, as for
+   !> corners behind faces. Where an edge covers little of the other one the penalty alone is too
+   !> soft.
+   pure subroutine push_apart(pairs, depth, has_changed)
+      !> All pairs in equilibrium; some get more `shift`.
+      type(surface_pair_type), intent(inout) :: pairs(:)
+      !> Largest overlap that is left alone, length units.
+      real(wp), intent(in) :: depth
+      !> Set if any pair gets more.
+      logical, intent(inout) :: has_changed
+
+      has_changed = has_changed .or. any(pairs%is_acting .and. pairs%gap < -depth)
+      where (pairs%is_acting .and. pairs%gap < -depth) pairs%shift = pairs%shift + pairs%gap
+   end subroutine push_apart
 
    !> What one pair remembers of another.
    pure subroutine recall(new, last)

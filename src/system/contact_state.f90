@@ -7,6 +7,7 @@ module coulter_system_contact_state
    use coulter_boundary_motion, only: followed_by, motion_type, seen_from
    use coulter_contact, only: contact_type, end_slack
    use coulter_contact_tip, only: edge_place_type, place_on_edge
+   use coulter_contact_surface_pairs, only: push_apart
    use coulter_model, only: boundary_motion, model_type
    use coulter_system, only: system_type
    implicit none(type, external)
@@ -170,14 +171,15 @@ contains
       end do
    end subroutine augment_contacts
 
-   !> Let faces press harder on corners that are too deep behind them, by what the penalty made of
-   !> their depth: a step of Uzawa's method. Nothing is left of it after the step.
+   !> Let faces press harder on corners that are too deep behind them, and bodies on each other, by
+   !> what the penalty made of their depth: a step of Uzawa's method. Nothing is left of it after
+   !> the step.
    pure subroutine push_out(system, model, has_changed)
       !> System in equilibrium.
       type(system_type), intent(inout) :: system
       !> Scene.
       type(model_type), intent(in) :: model
-      !> Was any corner too deep?
+      !> Was anything too deep?
       logical, intent(out) :: has_changed
       type(place_type) :: place
       real(wp) :: position(2), depth(system%contacts%n)
@@ -194,9 +196,12 @@ contains
          end associate
       end do
       has_changed = any(depth > too_deep(1)) .and. .not. any(depth > too_deep(2))
-      if (.not. has_changed) return
-      where (depth > too_deep(1)) system%contacts%item(:system%contacts%n)%shift &
-         = system%contacts%item(:system%contacts%n)%shift - depth*model%grid%smallest_spacing()
+      if (has_changed) then
+         where (depth > too_deep(1)) system%contacts%item(:system%contacts%n)%shift &
+            = system%contacts%item(:system%contacts%n)%shift - depth*model%grid%smallest_spacing()
+      end if
+      if (.not. allocated(system%surfaces)) return
+      call push_apart(system%surfaces%pairs, too_deep(1)*model%grid%smallest_spacing(), has_changed)
    end subroutine push_out
 
 end module coulter_system_contact_state
