@@ -32,7 +32,8 @@ module coulter_contact_surface_pairs
       !> length units.
       real(wp) :: lag = 0.0_wp, new_lag = 0.0_wp, way = 0.0_wp
       !> Traction (normal, along the edge), stress units; length that it acts on, and least
-      !> distance of both there, negative where they overlap, length units; force on the own body; place.
+      !> distance of both there, negative where they overlap, length units; force on the own body;
+      !> place.
       real(wp) :: traction(2) = 0.0_wp, weight = 0.0_wp, gap = 0.0_wp, force(2) = 0.0_wp, &
          place(2) = 0.0_wp
       !> Overlap that earlier rounds of the step left, not positive: both press as if they

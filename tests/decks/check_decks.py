@@ -111,7 +111,8 @@ def test_deck(tmp_path, deck):
     assert masses == pytest.approx(masses[0], rel=1e-9)
     spacing = float(re.search(r"spacing = ([\d.]+)", text)[1])
     assert history["penetrations"].max(initial=0.0) <= DEPTHS.get(name, 0.02) * spacing
-    assert history["surface_penetrations"].max(initial=0.0) <= 0.02 * spacing
+    if "&contact" in text:
+        assert history["surface_penetrations"].max() <= 0.02 * spacing
     assert history["tip_penetrations"].max(initial=0.0) <= TIPS.get(name, 0.02) * spacing
     forces = max(np.abs(history[f"{what}_reactions"]).max(initial=0.0)
                  for what in ("boundary", "fixity"))
