@@ -9,8 +9,8 @@ module coulter_contact_limit
    private
    public :: limit_type, limit_press, limit_rub, lean_press
 
-   !> Limits of the traction of a station; constant in a step, so that they add nothing to the
-   !> tangent.
+   !> Limits of the traction of a station. On straight faces they are constant in a step, and add
+   !> nothing to the tangent.
    type :: limit_type
       !> Normal and tangential traction of the material at the start of the step, and how much more
       !> either may become, stress units.
@@ -25,22 +25,28 @@ contains
    pure subroutine limit_press(answer, place, limit, penalty)
       !> Answer with normal part only.
       type(rub_type), intent(inout) :: answer
-      !> Place of the station relative to a straight face.
+      !> Place of the station relative to the face.
       type(place_type), intent(in) :: place
       !> Its limits.
       type(limit_type), intent(in) :: limit
       !> Penalty stiffness, stress per length.
       real(wp), intent(in) :: penalty
-      real(wp) :: least, deeper
+      real(wp) :: least, deeper, turning
 
       least = min(0.0_wp, limit%traction(1)) - limit%margin
       if (answer%traction(1) >= least) return
       deeper = min(0.0_wp, place%gap + limit%give)
       answer%traction(1) = least + penalty*deeper
       answer%vector = answer%traction(1)*place%normal
-      answer%normal_by_place = merge(penalty, 0.0_wp, deeper < 0.0_wp)*place%normal
+      ! on arcs the normal turns, and with it the traction of the material that counts
+      turning = 0.0_wp
+      if (limit%traction(1) < 0.0_wp) turning = 2.0_wp*place%curvature*limit%traction(2) &
+                                      *(1.0_wp - limit%margin/limit%traction(1))
+      answer%normal_by_place = merge(penalty, 0.0_wp, deeper < 0.0_wp)*place%normal &
+         + turning*place%tangent
       answer%normal_by_stress = 0.0_wp
-      answer%by_place = outer(place%normal, answer%normal_by_place)
+      answer%by_place = outer(place%normal, answer%normal_by_place) &
+         + answer%traction(1)*place%curvature*outer(place%tangent, place%tangent)
       answer%by_stress = 0.0_wp
    end subroutine limit_press
 

@@ -7,7 +7,7 @@ module coulter_contact_open_end
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
    private
-   public :: ends_openly, look_at_way, end_reach
+   public :: ends_openly, parts_here, look_at_way, end_reach
 
    !> From this distance on, over the spacing, a face holds corners of bodies for good, if their
    !> edges are a cell long.
@@ -76,7 +76,10 @@ contains
    !> Does the tool go against a face, hardly or as much against the next one, and part what is
    !> before it?
    pure function parts_here(tool, normal, inward) result(answer)
+      !> The tool at the start of the step.
       type(boundary_type), intent(in) :: tool
+      !> Unit normals of the face and of the next one, and unit tangents from the corner along them,
+      !> shape (component, face).
       real(wp), intent(in) :: normal(2, 2), inward(2, 2)
       logical :: answer
       real(wp) :: way(2), advance(2)

@@ -9,7 +9,7 @@ module coulter_contact_overlap
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: boundary_type
    use coulter_contact_open_end, only: end_reach
-   use coulter_contact_tip, only: tip_type
+   use coulter_contact_tip, only: side_of, tip_type
    implicit none(type, external)
    private
    public :: overlap_type, find_overlap, belongs_to_next, depth_beside
@@ -56,7 +56,7 @@ contains
       from = 0.0_wp
       to = 1.0_wp
       do i = 1, size(tips)
-         k = findloc(tips(i)%faces, segment, dim=1)
+         k = side_of(tips(i), segment)
          if (k == 0) cycle
          if (.not. tips(i)%is_open(k)) cycle
          place = ends - spread(tool%vertices(:, tips(i)%vertex), 2, 2)
@@ -69,9 +69,9 @@ contains
             distance = matmul(tips(i)%inward(:, k), place)
          else
             ! where two corners of a cell are held, so are its nodes, and with them the next corner
-            associate (cell => spacing/sine_of(tips(i)))
-               reach = (1.0_wp + end_reach)*cell - min(cell, norm2(ends(:, 2) - ends(:, 1)))
-            end associate
+            reach = held_from(tips(i), k, place, spacing)
+            ! arcs leave the line of the next face slowly: what counts is how far
+            if (tips(i)%is_round) distance = -matmul(tips(i)%normal(:, 3 - k), place)
             ! what the tip has left behind on the next face is not held, wherever its foot is
             call ease(overlap, merge(distance/reach, 0.0_wp, nearer >= 0.0_wp), reach)
          end if
@@ -82,6 +82,25 @@ contains
          .or. from > 0.0_wp .or. to < 1.0_wp
       overlap%share = max(0.0_wp, to - from)*[1.0_wp - 0.5_wp*(from + to), 0.5_wp*(from + to)]
    end subroutine find_overlap
+
+   !> Distance from an open end from which on a face holds the ends of an edge.
+   pure function held_from(tip, k, place, spacing) result(reach)
+      type(tip_type), intent(in) :: tip
+      !> Which of its faces.
+      integer, intent(in) :: k
+      !> Ends of the edge from the tip, and spacing of the grid, length units.
+      real(wp), intent(in) :: place(2, 2), spacing
+      real(wp) :: reach
+      real(wp) :: cell, length
+
+      cell = spacing/sine_of(tip)
+      length = norm2(place(:, 2) - place(:, 1))
+      if (tip%is_round) then
+         cell = spacing
+         length = abs(dot_product(tip%normal(:, 3 - k), place(:, 2) - place(:, 1)))
+      end if
+      reach = (1.0_wp + end_reach)*cell - min(cell, length)
+   end function held_from
 
    !> Sine of the angle between the faces of a tip, 1 if it is not acute. Behind a slender one, up
    !> to the spacing over it along a face, cells hold both sides of the gap that the tool fills.
@@ -138,7 +157,7 @@ contains
 
       answer = .false.
       do i = 1, size(tips)
-         k = findloc(tips(i)%faces, segment, dim=1)
+         k = side_of(tips(i), segment)
          if (k == 0) cycle
          gap = matmul(position - tool%vertices(:, tips(i)%vertex), tips(i)%normal(:, [k, 3 - k]))
          answer = answer .or. gap(1) < min(gap(2), 0.0_wp) - slack
@@ -161,7 +180,7 @@ contains
 
       depth = 0.0_wp
       do i = 1, size(tips)
-         k = findloc(tips(i)%faces, segment, dim=1)
+         k = side_of(tips(i), segment)
          if (k == 0) cycle
          if (tips(i)%is_open(k) .or. .not. tips(i)%is_open(3 - k)) cycle
          depth = max(depth, -slack - dot_product(tips(i)%normal(:, k), position &

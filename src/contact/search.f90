@@ -9,7 +9,8 @@ module coulter_contact_search
    use coulter_boundary_motion, only: largest_shift, motion_type, moved_by
    use coulter_contact, only: append_contact, contact_type, contacts_type, end_slack, lag_after
    use coulter_contact_overlap, only: belongs_to_next, depth_beside, find_overlap, overlap_type
-   use coulter_contact_tip, only: covered_share, find_tips, tip_type
+   use coulter_contact_round_tip, only: add_round_tips
+   use coulter_contact_tip, only: covered_share, find_tips, side_of, tip_type
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
    private
@@ -96,6 +97,7 @@ contains
          approach(b)%may_turn = abs(motion(b)%rotation) > 0.0_wp .or. boundaries(b)%turns_freely
          call find_tips(approach(b)%tips, boundaries(b), tiling, spacing)
          call close_abutting_ends(approach(b)%tips, boundaries, b, tiling, spacing)
+         call add_round_tips(approach(b)%tips, boundaries(b), tiling, spacing)
       end do
       approach%reach = reach*spacing + 2.0_wp*maxval([0.0_wp, shift])
       approach%deepest = deepest*spacing + shift
@@ -206,7 +208,7 @@ contains
       answer = .false.
       outward = [ends(2, 2) - ends(2, 1), ends(1, 1) - ends(1, 2)]
       do i = 1, size(tips)
-         k = findloc(tips(i)%faces, s, dim=1)
+         k = side_of(tips(i), s)
          if (k == 0) cycle
          if (tips(i)%is_open(k) .or. .not. tips(i)%is_open(3 - k)) cycle
          if (minval(norm2(ends - spread(boundary%vertices(:, tips(i)%vertex), 2, 2), dim=1)) &
@@ -240,10 +242,11 @@ contains
       type(overlap_type), intent(in) :: overlap
       !> The corner, and the other end of the edge.
       real(wp), intent(in) :: ends(2, 2)
+      integer :: i
 
       associate (tips => approach%tips, s => contact%segment, k => contact%end_of_edge)
          contact%is_settled = .not. boundary%is_bilateral &
-            .and. any(tips%faces(1) == s .or. tips%faces(2) == s)
+            .and. any([(side_of(tips(i), s) > 0, i=1, size(tips))])
          contact%give = overlap%give(k)
          contact%hold = overlap%hold(k)
          contact%leans = overlap%leans(k)

@@ -9,13 +9,17 @@ module coulter_contact_tip
    use coulter_points_tiling, only: nearest_outer_edge, tiling_type
    implicit none(type, external)
    private
-   public :: tip_type, edge_place_type, find_tips, covered_share, place_on_edge, is_closed, &
+   public :: tip_type, edge_place_type, find_tips, side_of, covered_share, place_on_edge, is_closed, &
       look_at_corner
 
    !> A sharp corner and the edge of a body that it may press on.
    type :: tip_type
       !> Vertex of the tool, and its faces before and after it.
       integer :: vertex = 0, faces(2) = 0
+      !> Is it the end of an arc that rounds the corner off? Then faces beyond a short arc, 0 if
+      !> there are none; normals and tangents below are those of the corner without the arc.
+      logical :: is_round = .false.
+      integer :: beyond(2) = 0
       !> Unit normals of these faces at the corner, and unit tangents that lead from it along them,
       !> shape (component, face).
       real(wp) :: normal(2, 2) = 0.0_wp, inward(2, 2) = 0.0_wp
@@ -94,6 +98,18 @@ contains
          tips = [tips, tip]
       end do
    end subroutine find_tips
+
+   !> On which side of a tip a face is, 1 before and 2 after it; 0 if it is none of its faces.
+   pure function side_of(tip, segment) result(k)
+      !> The tip.
+      type(tip_type), intent(in) :: tip
+      !> Number of the face.
+      integer, intent(in) :: segment
+      integer :: k
+
+      k = findloc(tip%faces, segment, dim=1)
+      if (k == 0) k = findloc(tip%beyond, segment, dim=1)
+   end function side_of
 
    !> Share of an edge that a face of a tool covers: less than 1 where it ends above the edge.
    pure function covered_share(tips, tool, segment, edge, ends) result(covered)
