@@ -68,9 +68,8 @@ contains
             call lean(overlap, distance/(end_reach*spacing))
             distance = matmul(tips(i)%inward(:, k), place)
          else
-            ! where two corners of a cell are held, so are its nodes, and with them the next corner
-            reach = held_from(tips(i), k, place, spacing)
-            ! arcs leave the line of the next face slowly: what counts is how far
+            reach = held_from(tips(i), place, spacing)
+            ! an arc leaves the line of the next face slowly: what counts is how far above that
             if (tips(i)%is_round) distance = -matmul(tips(i)%normal(:, 3 - k), place)
             ! what the tip has left behind on the next face is not held, wherever its foot is
             call ease(overlap, merge(distance/reach, 0.0_wp, nearer >= 0.0_wp), reach)
@@ -83,23 +82,20 @@ contains
       overlap%share = max(0.0_wp, to - from)*[1.0_wp - 0.5_wp*(from + to), 0.5_wp*(from + to)]
    end subroutine find_overlap
 
-   !> Distance from an open end from which on a face holds the ends of an edge.
-   pure function held_from(tip, k, place, spacing) result(reach)
+   !> Distance from an open end from which on a face holds the ends of an edge. Where two corners of
+   !> a cell are held, so are its nodes, and with them the next corner. Corners on arcs are between
+   !> nodes, and move both.
+   pure function held_from(tip, place, spacing) result(reach)
       type(tip_type), intent(in) :: tip
-      !> Which of its faces.
-      integer, intent(in) :: k
       !> Ends of the edge from the tip, and spacing of the grid, length units.
       real(wp), intent(in) :: place(2, 2), spacing
       real(wp) :: reach
-      real(wp) :: cell, length
 
-      cell = spacing/sine_of(tip)
-      length = norm2(place(:, 2) - place(:, 1))
-      if (tip%is_round) then
-         cell = spacing
-         length = abs(dot_product(tip%normal(:, 3 - k), place(:, 2) - place(:, 1)))
-      end if
-      reach = (1.0_wp + end_reach)*cell - min(cell, length)
+      reach = spacing
+      if (tip%is_round) return
+      associate (cell => spacing/sine_of(tip))
+         reach = (1.0_wp + end_reach)*cell - min(cell, norm2(place(:, 2) - place(:, 1)))
+      end associate
    end function held_from
 
    !> Sine of the angle between the faces of a tip, 1 if it is not acute. Behind a slender one, up

@@ -8,7 +8,7 @@ module coulter_contact_round_tip
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
-   use coulter_contact_open_end, only: end_reach, parts_here
+   use coulter_contact_open_end, only: parts_here
    use coulter_contact_tip, only: is_closed, tip_type
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
@@ -75,7 +75,7 @@ contains
       tip%inward(:, k) = way*far%tangent
       tip%inward(:, 3 - k) = -way*face%tangent
       tip%is_open(k) = parts_here(tool, tip%normal(:, [k, 3 - k]), tip%inward(:, [k, 3 - k]))
-      if (rise(tip, tool, k) < (1.0_wp + end_reach)*spacing) then
+      if (rise(tip, tool, k) < spacing) then
          tip%beyond(k) = modulo(tip%faces(k) - 1 + 2*k - 3, size(tool%vertices, 2) - 1) + 1
       end if
    end subroutine look_at_arc
