@@ -270,13 +270,14 @@ contains
       type(contact_type), intent(in) :: contact
       type(place_type), intent(in) :: place
       type(limit_type) :: limit
-      real(wp) :: traction(2)
+      real(wp) :: stress(2, 2)
 
-      associate (stress => model%points%converged%kirchhoff_stress(:, contact%tile))
-         traction = matmul(reshape(stress([1, 4, 4, 2]), [2, 2]), place%normal) &
-            *model%points%reference_volume(contact%tile)/system%map%area(contact%tile)
+      stress = reshape(model%points%converged%kirchhoff_stress([1, 4, 4, 2], contact%tile), [2, 2]) &
+         *model%points%reference_volume(contact%tile)/system%map%area(contact%tile)
+      associate (n => place%normal, t => place%tangent)
+         limit%traction = [dot_product(n, matmul(stress, n)), dot_product(t, matmul(stress, n))]
+         limit%along = dot_product(t, matmul(stress, t))
       end associate
-      limit%traction = [dot_product(traction, place%normal), dot_product(traction, place%tangent)]
       limit%margin = contact%hold*max(0.0_wp, -limit%traction(1))
       limit%give = contact%give
    end function limit_of

@@ -17,6 +17,8 @@ module coulter_contact_limit
       real(wp) :: traction(2) = 0.0_wp, margin = 0.0_wp
       !> The normal one holds up to this depth behind the face, length units.
       real(wp) :: give = 0.0_wp
+      !> Normal stress of the material along the face then, for arcs: its traction turns with them.
+      real(wp) :: along = 0.0_wp
    end type limit_type
 
 contains
@@ -31,19 +33,16 @@ contains
       type(limit_type), intent(in) :: limit
       !> Penalty stiffness, stress per length.
       real(wp), intent(in) :: penalty
-      real(wp) :: least, deeper, turning
+      real(wp) :: least, deeper
 
       least = min(0.0_wp, limit%traction(1)) - limit%margin
       if (answer%traction(1) >= least) return
       deeper = min(0.0_wp, place%gap + limit%give)
       answer%traction(1) = least + penalty*deeper
       answer%vector = answer%traction(1)*place%normal
-      ! on arcs the normal turns, and with it the traction of the material that counts
-      turning = 0.0_wp
-      if (limit%traction(1) < 0.0_wp) turning = 2.0_wp*place%curvature*limit%traction(2) &
-                                      *(1.0_wp - limit%margin/limit%traction(1))
-      answer%normal_by_place = merge(penalty, 0.0_wp, deeper < 0.0_wp)*place%normal &
-         + turning*place%tangent
+      answer%normal_by_place = merge(penalty, 0.0_wp, deeper < 0.0_wp)*place%normal
+      if (limit%traction(1) < 0.0_wp) answer%normal_by_place = answer%normal_by_place &
+         + 2.0_wp*place%curvature*limit%traction(2)*place%tangent - margin_slope(limit, place)
       answer%normal_by_stress = 0.0_wp
       answer%by_place = outer(place%normal, answer%normal_by_place) &
          + answer%traction(1)*place%curvature*outer(place%tangent, place%tangent)
@@ -86,30 +85,46 @@ contains
    pure subroutine limit_rub(answer, place, limit, friction)
       !> Complete answer.
       type(rub_type), intent(inout) :: answer
-      !> Place of the station relative to a straight face.
+      !> Place of the station relative to the face.
       type(place_type), intent(in) :: place
       !> Its limits.
       type(limit_type), intent(in) :: limit
       !> Friction of the face.
       type(friction_type), intent(in) :: friction
-      real(wp) :: change, capacity, slope, most
+      real(wp) :: change, capacity, slope, most, by_place(2)
       logical :: slips
 
       slips = answer%slip /= 0 .and. .not. friction%is_rough
       call shear_capacity(friction, answer%traction(1), capacity, slope)
       most = merge(capacity, min(capacity, abs(limit%traction(2))), slips)
+      by_place = place%curvature*(limit%along - limit%traction(1))*place%tangent
+      if (most >= capacity) by_place = 0.0_wp
       slope = merge(0.0_wp, slope*sign(1.0_wp, limit%traction(2)), most < capacity)
       change = sign(most, limit%traction(2)) - answer%traction(2)
-      if (.not. slips) change = sign(max(0.0_wp, abs(change) - limit%margin), change)
+      if (.not. slips) then
+         by_place = by_place - sign(1.0_wp, change)*margin_slope(limit, place)
+         change = sign(max(0.0_wp, abs(change) - limit%margin), change)
+      end if
       if (.not. abs(change) > 0.0_wp) return
       answer%traction(2) = answer%traction(2) + change
       answer%vector = answer%vector + change*place%tangent
-      associate (n => place%normal, t => place%tangent)
-         answer%by_place = outer(n, matmul(n, answer%by_place)) &
-            + slope*outer(t, answer%normal_by_place)
+      associate (n => place%normal, t => place%tangent, kappa => place%curvature)
+         answer%by_place = outer(n, matmul(n, answer%by_place) - change*kappa*t) &
+            + outer(t, by_place + slope*answer%normal_by_place + answer%traction(1)*kappa*t)
          answer%by_stress = outer(n, matmul(n, answer%by_stress)) &
             + slope*outer(t, answer%normal_by_stress)
       end associate
    end subroutine limit_rub
+
+   !> How the margin changes with the place on an arc, whose normal turns.
+   pure function margin_slope(limit, place) result(slope)
+      type(limit_type), intent(in) :: limit
+      type(place_type), intent(in) :: place
+      real(wp) :: slope(2)
+
+      slope = 0.0_wp
+      if (limit%traction(1) < 0.0_wp) slope = limit%margin/limit%traction(1) &
+                                      *2.0_wp*place%curvature*limit%traction(2)*place%tangent
+   end function margin_slope
 
 end module coulter_contact_limit

@@ -8,7 +8,7 @@ module coulter_contact_round_tip
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
-   use coulter_contact_open_end, only: parts_here
+   use coulter_contact_open_end, only: look_at_way, parts_here
    use coulter_contact_tip, only: is_closed, tip_type
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
@@ -59,7 +59,8 @@ contains
       real(wp), intent(in) :: spacing
       type(face_type) :: arc, face
       type(place_type) :: far
-      real(wp) :: way
+      real(wp) :: way, slide(2)
+      logical :: cuts
 
       associate (s => tip%faces(k), other => tip%faces(3 - k))
          call new_face(arc, tool%vertices(:, s), tool%vertices(:, s + 1), tool%bulge(s))
@@ -74,7 +75,10 @@ contains
       tip%normal(:, 3 - k) = face%normal
       tip%inward(:, k) = way*far%tangent
       tip%inward(:, 3 - k) = -way*face%tangent
-      tip%is_open(k) = parts_here(tool, tip%normal(:, [k, 3 - k]), tip%inward(:, [k, 3 - k]))
+      ! one that cuts in with both faces parts in the middle of the arc
+      call look_at_way(tool, tip%normal, tip%inward, cuts, slide)
+      tip%is_open(k) = .not. cuts .and. parts_here(tool, tip%normal(:, [k, 3 - k]), &
+                                                   tip%inward(:, [k, 3 - k]))
       if (rise(tip, tool, k) < spacing) then
          tip%beyond(k) = modulo(tip%faces(k) - 1 + 2*k - 3, size(tool%vertices, 2) - 1) + 1
       end if
