@@ -79,10 +79,21 @@ contains
       call look_at_way(tool, tip%normal, tip%inward, cuts, slide)
       tip%is_open(k) = .not. cuts .and. parts_here(tool, tip%normal(:, [k, 3 - k]), &
                                                    tip%inward(:, [k, 3 - k]))
-      if (rise(tip, tool, k) < spacing) then
-         tip%beyond(k) = modulo(tip%faces(k) - 1 + 2*k - 3, size(tool%vertices, 2) - 1) + 1
-      end if
+      if (rise(tip, tool, k) < spacing) tip%beyond(k) = face_beyond(tool, tip%faces(k), 2*k - 3)
    end subroutine look_at_arc
+
+   !> The face before another one, or after it, 0 where the chain ends.
+   pure function face_beyond(tool, segment, way) result(next)
+      type(boundary_type), intent(in) :: tool
+      !> Number of the other one, and -1 or 1.
+      integer, intent(in) :: segment, way
+      integer :: next
+      integer :: n
+
+      n = size(tool%vertices, 2) - 1
+      next = modulo(segment + way - 1, n) + 1
+      if (next /= segment + way .and. .not. is_closed(tool)) next = 0
+   end function face_beyond
 
    !> How far an arc rises above the line of the straight face beside it, length units.
    pure function rise(tip, tool, k)
