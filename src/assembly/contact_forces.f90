@@ -272,8 +272,8 @@ contains
       type(limit_type) :: limit
       real(wp) :: stress(2, 2)
 
-      stress = reshape(model%points%converged%kirchhoff_stress([1, 4, 4, 2], contact%tile), [2, 2]) &
-         *model%points%reference_volume(contact%tile)/system%map%area(contact%tile)
+      stress = reshape(model%points%converged%kirchhoff_stress([1, 4, 4, 2], contact%tile), &
+                       [2, 2])*model%points%reference_volume(contact%tile)/system%map%area(contact%tile)
       associate (n => place%normal, t => place%tangent)
          limit%traction = [dot_product(n, matmul(stress, n)), dot_product(t, matmul(stress, n))]
          limit%along = dot_product(t, matmul(stress, t))

@@ -9,8 +9,8 @@ module coulter_contact_tip
    use coulter_points_tiling, only: nearest_outer_edge, tiling_type
    implicit none(type, external)
    private
-   public :: tip_type, edge_place_type, find_tips, side_of, covered_share, place_on_edge, is_closed, &
-      look_at_corner
+   public :: tip_type, edge_place_type, find_tips, side_of, covered_share, place_on_edge, &
+      is_closed, look_at_corner
 
    !> A sharp corner and the edge of a body that it may press on.
    type :: tip_type
