@@ -273,7 +273,8 @@ contains
       real(wp) :: stress(2, 2)
 
       stress = reshape(model%points%converged%kirchhoff_stress([1, 4, 4, 2], contact%tile), &
-                       [2, 2])*model%points%reference_volume(contact%tile)/system%map%area(contact%tile)
+                       [2, 2])
+      stress = model%points%reference_volume(contact%tile)/system%map%area(contact%tile)*stress
       associate (n => place%normal, t => place%tangent)
          limit%traction = [dot_product(n, matmul(stress, n)), dot_product(t, matmul(stress, n))]
          limit%along = dot_product(t, matmul(stress, t))
