@@ -281,6 +281,7 @@ contains
       end associate
       limit%margin = contact%hold*max(0.0_wp, -limit%traction(1))
       limit%give = contact%give
+      limit%recedes = contact%recedes
    end function limit_of
 
    !> Friction, and where the station will stick from now on.

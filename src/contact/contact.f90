@@ -37,6 +37,8 @@ module coulter_contact
       !> Near open ends of the face: how far the corner may get behind it before it is held, length
       !> units, and what the face adds to the pressure of the material until then, over that.
       real(wp) :: give = 0.0_wp, hold = 0.0_wp
+      !> Does the face recede there, so that the corner may stay behind, and is pressed less?
+      logical :: recedes = .false.
       !> Beside corners of tools that cut in: does it press at most as the other end of the edge
       !> does, but for `hold`?
       logical :: leans = .false.

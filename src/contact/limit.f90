@@ -1,5 +1,6 @@
 !> What a face of a tool can press near an open end: hardly more than the traction that the material
-!> had at the start of the step, until it has given way. Theory, section 4.
+!> had at the start of the step, until it has given way, and hardly less where the face recedes.
+!> Theory, section 4.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_contact_limit
    use coulter_base_kinds, only: wp
@@ -15,15 +16,19 @@ module coulter_contact_limit
       !> Normal and tangential traction of the material at the start of the step, and how much more
       !> either may become, stress units.
       real(wp) :: traction(2) = 0.0_wp, margin = 0.0_wp
-      !> The normal one holds up to this depth behind the face, length units.
+      !> The normal one holds up to this depth behind the face, or height before one that recedes,
+      !> length units.
       real(wp) :: give = 0.0_wp
       !> Normal stress of the material along the face then, for arcs: its traction turns with them.
       real(wp) :: along = 0.0_wp
+      !> Does the face recede, so that the margin says how much less it presses?
+      logical :: recedes = .false.
    end type limit_type
 
 contains
 
-   !> Limit the normal traction, after `press`; deeper than `give` the face holds as ever.
+   !> Limit the normal traction, after `press`; deeper than `give` the face holds as ever. What a
+   !> face recedes from is pressed until it is left behind by that.
    pure subroutine limit_press(answer, place, limit, penalty)
       !> Answer with normal part only.
       type(rub_type), intent(inout) :: answer
@@ -33,16 +38,17 @@ contains
       type(limit_type), intent(in) :: limit
       !> Penalty stiffness, stress per length.
       real(wp), intent(in) :: penalty
-      real(wp) :: least, deeper
+      real(wp) :: bound, side, beyond
 
-      least = min(0.0_wp, limit%traction(1)) - limit%margin
-      if (answer%traction(1) >= least) return
-      deeper = min(0.0_wp, place%gap + limit%give)
-      answer%traction(1) = least + penalty*deeper
+      side = merge(-1.0_wp, 1.0_wp, limit%recedes)
+      bound = min(0.0_wp, limit%traction(1)) - side*limit%margin
+      if (side*(answer%traction(1) - bound) >= 0.0_wp) return
+      beyond = side*min(0.0_wp, side*place%gap + limit%give)
+      answer%traction(1) = bound + penalty*beyond
       answer%vector = answer%traction(1)*place%normal
-      answer%normal_by_place = merge(penalty, 0.0_wp, deeper < 0.0_wp)*place%normal
+      answer%normal_by_place = merge(penalty, 0.0_wp, abs(beyond) > 0.0_wp)*place%normal
       if (limit%traction(1) < 0.0_wp) answer%normal_by_place = answer%normal_by_place &
-         + 2.0_wp*place%curvature*limit%traction(2)*place%tangent - margin_slope(limit, place)
+         + 2.0_wp*place%curvature*limit%traction(2)*place%tangent - side*margin_slope(limit, place)
       answer%normal_by_stress = 0.0_wp
       answer%by_place = outer(place%normal, answer%normal_by_place) &
          + answer%traction(1)*place%curvature*outer(place%tangent, place%tangent)

@@ -7,7 +7,7 @@ module coulter_contact_open_end
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
    private
-   public :: ends_openly, parts_here, look_at_way, end_reach
+   public :: ends_openly, parts_here, recedes, look_at_way, end_reach
 
    !> From this distance on, over the spacing, a face holds corners of bodies for good, if their
    !> edges are a cell long.
@@ -74,7 +74,7 @@ contains
    end function ends_openly
 
    !> Does the tool go against a face, hardly or as much against the next one, and part what is
-   !> before it?
+   !> before it? What comes after a face that recedes, but not along the next one, parts the same.
    pure function parts_here(tool, normal, inward) result(answer)
       !> The tool at the start of the step.
       type(boundary_type), intent(in) :: tool
@@ -85,11 +85,23 @@ contains
       real(wp) :: way(2), advance(2)
 
       way = way_of(tool)
+      if (recedes(tool, normal(:, 1))) way = -way
       advance = matmul(way, normal)
       answer = advance(1) > least_advance*norm2(way) &
          .and. (advance(2) < most_shared*advance(1) .or. cuts_in(tool, normal)) &
          .and. maxval(matmul(way, inward)) < most_along*norm2(way)
    end function parts_here
+
+   !> Does the tool go away from a face?
+   pure function recedes(tool, normal) result(answer)
+      !> The tool.
+      type(boundary_type), intent(in) :: tool
+      !> Unit normal of the face.
+      real(wp), intent(in) :: normal(2)
+      logical :: answer
+
+      answer = dot_product(way_of(tool), normal) < 0.0_wp
+   end function recedes
 
    !> Does the tool cut in with a corner, so that both of its faces press what they part? What
    !> sticks to rough faces goes along with them at the corner, too, unless it slides along them.

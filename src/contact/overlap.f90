@@ -22,6 +22,8 @@ module coulter_contact_overlap
       real(wp) :: share(2) = 0.5_wp
       !> How far both ends may get behind the face before it holds them, length units.
       real(wp) :: give(2) = 0.0_wp
+      !> Does the face recede, so that they may stay that far before it?
+      logical :: recedes = .false.
       !> Do they press as the other end of the edge does, near a corner that cuts in?
       logical :: leans(2) = .false.
       !> What it adds until then at most to the pressure of the material, over that.
@@ -73,6 +75,7 @@ contains
             if (tips(i)%is_round) distance = -matmul(tips(i)%normal(:, 3 - k), place)
             ! what the tip has left behind on the next face is not held, wherever its foot is
             call ease(overlap, merge(distance/reach, 0.0_wp, nearer >= 0.0_wp), reach)
+            overlap%recedes = overlap%recedes .or. tips(i)%recedes(k)
          end if
          call clip(from, to, distance)
          call clip(from, to, nearer)

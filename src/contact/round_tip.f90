@@ -8,7 +8,7 @@ module coulter_contact_round_tip
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
-   use coulter_contact_open_end, only: look_at_way, parts_here
+   use coulter_contact_open_end, only: look_at_way, parts_here, recedes
    use coulter_contact_tip, only: is_closed, tip_type
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
@@ -77,8 +77,8 @@ contains
       tip%inward(:, 3 - k) = -way*face%tangent
       ! one that cuts in with both faces parts in the middle of the arc
       call look_at_way(tool, tip%normal, tip%inward, cuts, slide)
-      tip%is_open(k) = .not. cuts .and. parts_here(tool, tip%normal(:, [k, 3 - k]), &
-                                                   tip%inward(:, [k, 3 - k]))
+      tip%is_open(k) = .not. (cuts .or. recedes(tool, tip%normal(:, k))) &
+         .and. parts_here(tool, tip%normal(:, [k, 3 - k]), tip%inward(:, [k, 3 - k]))
       if (rise(tip, tool, k) < spacing) tip%beyond(k) = face_beyond(tool, tip%faces(k), 2*k - 3)
    end subroutine look_at_arc
 

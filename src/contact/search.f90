@@ -250,6 +250,7 @@ contains
          contact%give = overlap%give(k)
          contact%hold = overlap%hold(k)
          contact%leans = overlap%leans(k)
+         contact%recedes = overlap%recedes
          if (overlap%is_partial .or. .not. contact%is_settled) return
          contact%give = depth_beside(boundary, tips, s, ends(:, 1), round_slack*approach%spacing)
          contact%hold = 0.0_wp

@@ -5,7 +5,7 @@ module coulter_contact_tip
    use coulter_base_polygon, only: turn, winding_number
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
-   use coulter_contact_open_end, only: ends_openly, look_at_way
+   use coulter_contact_open_end, only: ends_openly, look_at_way, recedes
    use coulter_points_tiling, only: nearest_outer_edge, tiling_type
    implicit none(type, external)
    private
@@ -25,6 +25,8 @@ module coulter_contact_tip
       real(wp) :: normal(2, 2) = 0.0_wp, inward(2, 2) = 0.0_wp
       !> Do these faces end openly here?
       logical :: is_open(2) = .false.
+      !> Do they recede?
+      logical :: recedes(2) = .false.
       !> Does it cut in, so that edges near it press as their other ends do?
       logical :: cuts = .false.
       !> Way of the tool along these faces, away from the corner, over that against them.
@@ -93,6 +95,7 @@ contains
          do k = 1, 2
             tip%is_open(k) = ends_openly(tool, tip%faces(k), v, tip%normal(:, [k, 3 - k]), &
                                          tip%inward(:, [k, 3 - k]), tiling, spacing)
+            tip%recedes(k) = recedes(tool, tip%normal(:, k))
          end do
          call look_at_way(tool, tip%normal, tip%inward, tip%cuts, tip%slide)
          tips = [tips, tip]
