@@ -13,6 +13,7 @@ module coulter_step_report
    use coulter_retile_meetings, only: report_meetings
    use coulter_step_contact_report, only: report_contacts, report_surfaces
    use coulter_step_penetration, only: measure_penetrations
+   use coulter_step_thin_tools, only: report_thin_tools
    use coulter_system, only: system_memory, system_type
    use coulter_system_dofs, only: reduce
    implicit none(type, external)
@@ -83,6 +84,7 @@ contains
       call collect_warnings(report, model, system)
       if (allocated(model%tiling)) then
          call report_meetings(report, model, system)
+         call report_thin_tools(report, model, system)
          call name_loose_parts(report, model, system)
          call name_toppling(report, model, system)
       end if

@@ -100,6 +100,8 @@ module coulter_system
       !> Surfaces of bodies that meet at the end of the step, and the length of those of every pair
       !> of bodies that a warning has named last, length units, shape (n_bodies, n_bodies).
       type(fold_type), allocatable :: folds(:)
+      !> Has a tool been named as too thin for what is on both sides of it? Shape (n_boundaries).
+      logical, allocatable :: named_thin(:)
       real(wp), allocatable :: named_length(:, :)
       !> Has a body come apart, and has a warning named parts that are loose, or one that topples?
       logical :: has_come_apart = .false., has_named_loose = .false., has_named_toppling = .false.
