@@ -136,6 +136,7 @@ contains
       pair%traction = 0.0_wp
       pair%weight = 0.0_wp
       pair%way = 0.0_wp
+      pair%gap = 0.0_wp
    end subroutine forget
 
    !> One pair, if it presses.
@@ -161,12 +162,12 @@ contains
          pair%is_acting = carried(1)%value &
             < touching*penalty(1)*model%grid%smallest_spacing() &
             .or. (system%is_predicting .and. pair%was_acting)
+         pair%gap = place%least
          if (.not. pair%is_acting) return
          call rub_pair(system, contact, pair, place, own(2), penalty(2), carried)
       end associate
       pair%traction = carried%value
       pair%weight = place%width*pair%length
-      pair%gap = place%least
       pair%force = -pair%weight*(carried(1)%value*place%normal + carried(2)%value*place%tangent)
       call share_out(pair, place, carried, turn, force, stiffness)
    end subroutine add_pair

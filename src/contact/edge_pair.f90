@@ -23,7 +23,8 @@ module coulter_contact_edge_pair
       real(wp) :: other = 0.0_wp, other_slope(most_slopes) = 0.0_wp
       !> Distance between the edges there, negative where they overlap, length units.
       real(wp) :: gap = 0.0_wp, gap_slope(most_slopes) = 0.0_wp
-      !> The least distance, at one of the ends of what is covered.
+      !> The least distance, at one of the ends of what is covered: of the other edge from a corner
+      !> of the own one, or the other way round, length units.
       real(wp) :: least = 0.0_wp
       !> Unit vector along the own edge and unit normal into its material.
       real(wp) :: tangent(2) = 0.0_wp, normal(2) = 0.0_wp
@@ -81,8 +82,22 @@ contains
       pair%gap = away(1) + pair%other*(away(2) - away(1))
       pair%gap_slope = away_slope(:, 1) + pair%other*(away_slope(:, 2) - away_slope(:, 1)) &
          + pair%other_slope*(away(2) - away(1))
-      pair%least = away(1) + minval((limit - along(1))/(along(2) - along(1))*(away(2) - away(1)))
+      pair%least = minval(deep_ends(limit, along, away, length))
    end subroutine compare_edges
+
+   !> Distances at both ends of what is covered, from the edge whose corner that is not.
+   pure function deep_ends(limit, along, away, length) result(gap)
+      !> Ends of what is covered and of the other edge along the own one, over its length, and
+      !> distances of the latter, length units.
+      real(wp), intent(in) :: limit(2), along(2), away(2)
+      !> Length of the own edge.
+      real(wp), intent(in) :: length
+      real(wp) :: gap(2), slope
+
+      slope = (away(2) - away(1))/(along(2) - along(1))
+      gap = away(1) + (limit - along(1))*slope
+      where (limit > minval(along) .and. limit < maxval(along)) gap = gap/hypot(1.0_wp, slope/length)
+   end function deep_ends
 
    !> Slopes of a product of a vector with the way from the first end of the own edge to an end of
    !> the other one.

@@ -49,7 +49,7 @@ module coulter_contact_surface_pairs
    end type surface_type
 
    !> Edges face each other if the product of their outward normals is below this.
-   real(wp), parameter :: opposed = -0.25_wp
+   real(wp), parameter :: opposed = -0.4_wp
    !> How far edges may be apart and overlap, and how far they may slide in a step, over the
    !> spacing.
    real(wp), parameter :: farthest = 1.5_wp, deepest = 0.5_wp, reach_along = 1.0_wp
@@ -207,18 +207,20 @@ contains
    end subroutine recall_surface_pairs
 
    !> Let pairs that overlap too far in equilibrium press harder: a step of Uzawa's method, as for
-   !> corners behind faces. Where an edge covers little of the other one the penalty alone is too
-   !> soft.
-   pure subroutine push_apart(pairs, depth, has_changed)
+   !> corners behind faces. It takes pairs that do not press, too: where a corner pokes into an edge,
+   !> or two corners meet, edges may be open in the mean.
+   pure subroutine push_apart(pairs, depth, spacing, has_changed)
       !> All pairs in equilibrium; some get more `shift`.
       type(surface_pair_type), intent(inout) :: pairs(:)
-      !> Largest overlap that is left alone, length units.
-      real(wp), intent(in) :: depth
+      !> Largest overlap that is left alone, and grid spacing, length units.
+      real(wp), intent(in) :: depth, spacing
       !> Set if any pair gets more.
       logical, intent(inout) :: has_changed
+      logical :: is_deep(size(pairs))
 
-      has_changed = has_changed .or. any(pairs%is_acting .and. pairs%gap < -depth)
-      where (pairs%is_acting .and. pairs%gap < -depth) pairs%shift = pairs%shift + pairs%gap
+      is_deep = pairs%gap < -depth .and. pairs%gap > -deepest*spacing
+      has_changed = has_changed .or. any(is_deep)
+      where (is_deep) pairs%shift = pairs%shift + pairs%gap
    end subroutine push_apart
 
    !> What one pair remembers of another.

@@ -4,9 +4,9 @@
 !> The grid carries both parts along with one field once they share a cell (theory, section 8).
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_points_folds
-   use coulter_base_bins, only: bins_type, new_bins
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: turn
+   use coulter_base_sorting, only: sort_ascending
    implicit none(type, external)
    private
    public :: fold_type, find_folds, deepest_overlap
@@ -60,21 +60,25 @@ contains
       real(wp), intent(in) :: distance
       type(edges_type) :: edges
       type(fold_type) :: fold
-      type(bins_type) :: bins
-      integer, allocatable :: near(:)
-      integer :: e, k, n
+      real(wp) :: place(size(edge, 2)), reach
+      integer :: order(size(edge, 2)), e, f, j, k, n
       logical :: do_meet
 
       allocate (folds(16))
       n = 0
       call measure_edges(edges, position, edge)
-      call new_bins(bins, edges%middle, distance + 2.0_wp*maxval([0.0_wp, edges%half]))
-      do e = 1, size(edge, 2)
-         near = bins%near(edges%middle(:, e))
-         do k = 1, size(near)
-            if (near(k) <= e) cycle
-            if (.not. may_meet(edges, e, near(k), distance)) cycle
-            call meet(fold, edges, e, near(k), distance, do_meet)
+      ! a sweep along the longer way: only edges that are abreast are compared
+      k = maxloc(maxval(edges%middle, dim=2) - minval(edges%middle, dim=2), dim=1)
+      call sort_ascending(edges%middle(k, :), order)
+      place = edges%middle(k, order)
+      reach = distance + 2.0_wp*maxval([0.0_wp, edges%half])
+      do k = 1, size(order)
+         do j = k + 1, size(order)
+            if (place(j) - place(k) > reach) exit
+            e = min(order(k), order(j))
+            f = max(order(k), order(j))
+            if (.not. may_meet(edges, e, f, distance)) cycle
+            call meet(fold, edges, e, f, distance, do_meet)
             if (.not. do_meet) cycle
             if (n == size(folds)) folds = [folds, folds]
             n = n + 1

@@ -201,7 +201,9 @@ contains
             = system%contacts%item(:system%contacts%n)%shift - depth*model%grid%smallest_spacing()
       end if
       if (.not. allocated(system%surfaces)) return
-      call push_apart(system%surfaces%pairs, too_deep(1)*model%grid%smallest_spacing(), has_changed)
+      associate (h => model%grid%smallest_spacing())
+         call push_apart(system%surfaces%pairs, too_deep(1)*h, h, has_changed)
+      end associate
    end subroutine push_out
 
 end module coulter_system_contact_state
