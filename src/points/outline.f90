@@ -51,7 +51,7 @@ contains
       is_used = .false.
       do e = 1, size(edge, 2)
          if (is_used(e)) cycle
-         call follow(edge, leaving, after, e, is_used, loop, n)
+         call follow(position, edge, leaving, after, e, is_used, loop, n)
          call area_and_centroid(position(:, loop(:n)), area, centroid)
          if (abs(area) < least_area) cycle
          associate (first => outline%n + 1)
@@ -67,27 +67,52 @@ contains
       allocate (outline%is_feature(outline%n), source=.false.)
    end subroutine trace_outline
 
-   !> First positions of a chain of unused edges, up to where it closes.
-   pure subroutine follow(edge, leaving, after, start, is_used, loop, n)
+   !> First positions of a chain of unused edges, up to where it closes. Parts that touch at one
+   !> position are parted there.
+   pure subroutine follow(position, edge, leaving, after, start, is_used, loop, n)
+      real(wp), intent(in) :: position(:, :)
       integer, intent(in) :: edge(:, :), leaving(:), after(:), start
       logical, intent(inout) :: is_used(:)
       integer, intent(inout) :: loop(:)
       integer, intent(out) :: n
-      integer :: e
+      integer :: e, next, k
 
       n = 0
       e = start
-      do while (e > 0)
+      do
          is_used(e) = .true.
          n = n + 1
          loop(n) = edge(1, e)
-         if (edge(2, e) == edge(1, start)) return
-         e = leaving(edge(2, e))
-         do while (e > 0)
-            if (.not. is_used(e)) exit
-            e = after(e)
+         next = 0
+         k = leaving(edge(2, e))
+         do while (k > 0)
+            if (.not. is_used(k) .or. k == start) then
+               if (next == 0) then
+                  next = k
+               else if (wedge(e, k) < wedge(e, next)) then
+                  next = k
+               end if
+            end if
+            k = after(k)
          end do
+         e = next
+         if (e == 0 .or. e == start) return
       end do
+
+   contains
+
+      !> Angle of the material between an edge that arrives and one that leaves, 0 to 2 pi.
+      pure function wedge(first, second) result(angle)
+         integer, intent(in) :: first, second
+         real(wp) :: angle
+         real(wp) :: back(2), ahead(2)
+
+         back = position(:, edge(1, first)) - position(:, edge(2, first))
+         ahead = position(:, edge(2, second)) - position(:, edge(1, second))
+         angle = modulo(atan2(ahead(1)*back(2) - ahead(2)*back(1), dot_product(ahead, back)), &
+                        2.0_wp*acos(-1.0_wp))
+      end function wedge
+
    end subroutine follow
 
    !> First and last corner of every edge of an outline.
