@@ -96,7 +96,8 @@ contains
 
       slope = (away(2) - away(1))/(along(2) - along(1))
       gap = away(1) + (limit - along(1))*slope
-      where (limit > minval(along) .and. limit < maxval(along)) gap = gap/hypot(1.0_wp, slope/length)
+      where (limit > minval(along) .and. limit < maxval(along)) &
+         gap = gap/hypot(1.0_wp, slope/length)
    end function deep_ends
 
    !> Slopes of a product of a vector with the way from the first end of the own edge to an end of

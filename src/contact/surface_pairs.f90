@@ -207,8 +207,8 @@ contains
    end subroutine recall_surface_pairs
 
    !> Let pairs that overlap too far in equilibrium press harder: a step of Uzawa's method, as for
-   !> corners behind faces. It takes pairs that do not press, too: where a corner pokes into an edge,
-   !> or two corners meet, edges may be open in the mean.
+   !> corners behind faces. It takes pairs that do not press, too: where a corner pokes into an
+   !> edge, or two corners meet, edges may be open in the mean.
    pure subroutine push_apart(pairs, depth, spacing, has_changed)
       !> All pairs in equilibrium; some get more `shift`.
       type(surface_pair_type), intent(inout) :: pairs(:)
