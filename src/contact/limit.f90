@@ -38,10 +38,13 @@ contains
       type(limit_type), intent(in) :: limit
       !> Penalty stiffness, stress per length.
       real(wp), intent(in) :: penalty
-      real(wp) :: bound, side, beyond
+      real(wp) :: bound, side, beyond, now
 
       side = merge(-1.0_wp, 1.0_wp, limit%recedes)
       bound = min(0.0_wp, limit%traction(1)) - side*limit%margin
+      ! what does not follow a face that recedes presses no more
+      now = min(0.0_wp, answer%traction(1) - penalty*place%gap)
+      if (limit%recedes) bound = max(bound, now)
       if (side*(answer%traction(1) - bound) >= 0.0_wp) return
       beyond = side*min(0.0_wp, side*place%gap + limit%give)
       answer%traction(1) = bound + penalty*beyond
@@ -52,7 +55,8 @@ contains
       answer%normal_by_stress = 0.0_wp
       answer%by_place = outer(place%normal, answer%normal_by_place) &
          + answer%traction(1)*place%curvature*outer(place%tangent, place%tangent)
-      answer%by_stress = 0.0_wp
+      if (limit%recedes .and. now < 0.0_wp .and. .not. now < bound) answer%normal_by_stress = place%normal
+      answer%by_stress = outer(place%normal, answer%normal_by_stress)
    end subroutine limit_press
 
    !> Limit the normal traction, after `press`, to that at the other end of the edge, S being the

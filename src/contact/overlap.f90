@@ -32,6 +32,8 @@ module coulter_contact_overlap
 
    !> Largest `hold`, at the distance from the end from which on bodies are held.
    real(wp), parameter :: most_held = 0.35_wp
+   !> What is farther before a face that recedes, over the spacing, is left behind.
+   real(wp), parameter :: left_behind = 0.1_wp
    !> Tips count as not more slender than this sine.
    real(wp), parameter :: slenderest = 0.2_wp
    !> Distances from the end below this, over the spacing, count as this.
@@ -76,6 +78,7 @@ contains
             ! what the tip has left behind on the next face is not held, wherever its foot is
             call ease(overlap, merge(distance/reach, 0.0_wp, nearer >= 0.0_wp), reach)
             overlap%recedes = overlap%recedes .or. tips(i)%recedes(k)
+            if (overlap%recedes) overlap%give = min(overlap%give, left_behind*spacing)
          end if
          call clip(from, to, distance)
          call clip(from, to, nearer)
