@@ -55,7 +55,9 @@ contains
       answer%normal_by_stress = 0.0_wp
       answer%by_place = outer(place%normal, answer%normal_by_place) &
          + answer%traction(1)*place%curvature*outer(place%tangent, place%tangent)
-      if (limit%recedes .and. now < 0.0_wp .and. .not. now < bound) answer%normal_by_stress = place%normal
+      if (limit%recedes .and. now < 0.0_wp .and. .not. now < bound) then
+         answer%normal_by_stress = place%normal
+      end if
       answer%by_stress = outer(place%normal, answer%normal_by_stress)
    end subroutine limit_press
 
