@@ -82,6 +82,9 @@ module coulter_contact
       integer :: n = 0
       !> The stations; only the first `n` are meaningful.
       type(contact_type), allocatable :: item(:)
+      !> Corners of tools beside which faces end openly in the step: numbers of boundary and vertex,
+      !> shape (2, n_tips); unallocated where there is none.
+      integer, allocatable :: open_tips(:, :)
    end type contacts_type
 
    !> A face reaches this far beyond its ends, over the spacing: a corner that sits at an end must

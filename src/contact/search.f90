@@ -8,6 +8,7 @@ module coulter_contact_search
    use coulter_boundary_held_edge, only: held_edge_type
    use coulter_boundary_motion, only: largest_shift, motion_type, moved_by
    use coulter_contact, only: append_contact, contact_type, contacts_type, end_slack, lag_after
+   use coulter_contact_cut, only: cut_type
    use coulter_contact_overlap, only: belongs_to_next, depth_beside, find_overlap, overlap_type
    use coulter_contact_round_tip, only: add_round_tips
    use coulter_contact_tip, only: covered_share, find_tips, side_of, tip_type
@@ -48,7 +49,7 @@ contains
 
    !> Stations of a step: every outer edge against every face within reach that it looks at, with
    !> the faces where they are at the end of the step.
-   pure subroutine build_contacts(contacts, boundaries, motion, tiling, held, spacing)
+   pure subroutine build_contacts(contacts, boundaries, motion, tiling, held, spacing, cuts)
       !> Stations to make.
       type(contacts_type), intent(out) :: contacts
       !> Boundaries at the start of the step.
@@ -61,11 +62,15 @@ contains
       type(held_edge_type), intent(in) :: held(:)
       !> Grid spacing.
       real(wp), intent(in) :: spacing
+      !> Cuts ahead of corners of tools.
+      type(cut_type), intent(in), optional :: cuts(:)
       type(approach_type) :: approach(size(boundaries))
       integer :: e, b, s
 
       allocate (contacts%item(64))
       call look_ahead(approach, boundaries, motion, tiling, spacing)
+      call list_open_tips(contacts, approach)
+      if (present(cuts)) call find_roots(approach, cuts)
       do e = 1, size(held)
          do b = 1, size(boundaries)
             if (.not. boundaries(b)%is_active) cycle
@@ -79,6 +84,38 @@ contains
          end do
       end do
    end subroutine build_contacts
+
+   !> Note the sharp corners of tools beside which faces end openly.
+   pure subroutine list_open_tips(contacts, approach)
+      type(contacts_type), intent(inout) :: contacts
+      type(approach_type), intent(in) :: approach(:)
+      integer, allocatable :: list(:)
+      integer :: b, i
+
+      allocate (list(0))
+      do b = 1, size(approach)
+         do i = 1, size(approach(b)%tips)
+            associate (tip => approach(b)%tips(i))
+               if (any(tip%is_open) .and. .not. tip%is_round) list = [list, b, tip%vertex]
+            end associate
+         end do
+      end do
+      if (size(list) > 0) contacts%open_tips = reshape(list, [2, size(list)/2])
+   end subroutine list_open_tips
+
+   !> Find the corners of bodies to which these are cut ahead of corners of tools.
+   pure subroutine find_roots(approach, cuts)
+      type(approach_type), intent(inout) :: approach(:)
+      type(cut_type), intent(in) :: cuts(:)
+      integer :: i
+
+      do i = 1, size(cuts)
+         associate (tips => approach(cuts(i)%boundary)%tips)
+            where (tips%vertex == cuts(i)%vertex .and. .not. tips%is_round) &
+               tips%root = cuts(i)%corner
+         end associate
+      end do
+   end subroutine find_roots
 
    !> What every boundary does in the step.
    pure subroutine look_ahead(approach, boundaries, motion, tiling, spacing)
@@ -182,6 +219,13 @@ contains
       contact%is_fixed = boundary%kind == kind_fixed
       contact%rubs = boundary%has_friction() .and. .not. contact%is_fixed
       if (looks_at_open_end(boundary, approach%tips, s, ends, approach%spacing)) return
+      ! what is cut ahead of a tip counts to be where the tip will meet it
+      do k = 1, size(approach%tips)
+         associate (tip => approach%tips(k))
+            where (spread(tiling%outer_edge(:2, e) == tip%root, 1, 2)) &
+               ends = spread(boundary%vertices(:, tip%vertex), 2, 2)
+         end associate
+      end do
       call cover(overlap, boundary, s, approach, e, ends)
       weight = 2.0_wp*weight*overlap%share
       do k = 1, 2

@@ -6,7 +6,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_points_tiling
    use coulter_base_kinds, only: wp
-   use coulter_base_polygon, only: area_and_centroid
+   use coulter_base_polygon, only: area_and_centroid, winding_number
    use coulter_base_sorting, only: sort_by_number
    use coulter_points_tile_quality, only: aspect_ratio, corner_jacobians, relative_jacobian
    use coulter_points_welding, only: weld
@@ -14,7 +14,7 @@ module coulter_points_tiling
    private
    public :: tiling_type, new_tiling, corner_gradients, corner_weights, tile_centroid, &
       current_hourglass, remember_pulls, tile_outlines, measure_quality, nearest_outer_edge, &
-      values_at, list_tiles
+      depth_in_tiles, values_at, list_tiles
 
    !> Tiles and their corners; tile p is the domain of point p.
    type :: tiling_type
@@ -187,6 +187,25 @@ contains
          share = here
       end do
    end subroutine nearest_outer_edge
+
+   !> How deep a position is in the tiles, 0 if it is in none.
+   pure function depth_in_tiles(tiling, position) result(depth)
+      !> Tiles.
+      type(tiling_type), intent(in) :: tiling
+      !> Position, length units.
+      real(wp), intent(in) :: position(2)
+      real(wp) :: depth
+      real(wp) :: ends(2, 2), share
+      integer :: edge
+
+      depth = 0.0_wp
+      if (winding_number(tiling%position(:, tiling%outer_edge(1, :)), &
+                         tiling%position(:, tiling%outer_edge(2, :)), position) <= 0) return
+      call nearest_outer_edge(tiling, position, edge, share)
+      ends = tiling%position(:, tiling%outer_edge(:2, edge))
+      share = min(max(share, 0.0_wp), 1.0_wp)
+      depth = norm2((1.0_wp - share)*ends(:, 1) + share*ends(:, 2) - position)
+   end function depth_in_tiles
 
    !> How far the worst tiles are from their undeformed shape.
    pure subroutine measure_quality(tiling, worst_corner, worst_aspect)

@@ -42,7 +42,7 @@ contains
          return
       end if
       call build_contacts(contacts, model%boundaries, rest, model%tiling, system%held_edges, &
-                          model%grid%smallest_spacing())
+                          model%grid%smallest_spacing(), system%cuts)
       do k = 1, contacts%n
          call ask(contacts%item(k), system%last_contacts, model, old_tiling)
          if (contacts%item(k)%rubs) call set_lag(contacts%item(k), model)

@@ -152,7 +152,8 @@ contains
    !> Leave out nodes on the outline whose corner of the cell is outside: beside a re-entrant corner
    !> of the body they belong to the other face of the gap. Those stay that bound material on the
    !> same face as a neighbour: where the outline is hollow, as around the nose of a tool, most of
-   !> the corner may be outside.
+   !> the corner may be outside; but not those from which the outline comes, or goes, round another
+   !> corner of the cell.
    pure subroutine cut_off_gaps(polygon, is_on_outline, outline, has_inside)
       type(polygon_type), intent(inout) :: polygon
       logical, intent(inout) :: is_on_outline(8)
@@ -170,8 +171,10 @@ contains
          is_gap = is_on_outline(k)
          if (is_gap) is_gap = is_outside(outline, polygon%corner(:, [last, k, next]))
          if (is_gap .and. has_inside) is_gap = .not. &
-            (runs_along(outline, polygon%corner(:, last), polygon%corner(:, k)) &
-             .or. runs_along(outline, polygon%corner(:, k), polygon%corner(:, next)))
+            (runs_along(outline, polygon%corner(:, last), polygon%corner(:, k), &
+                        polygon%corner(:, next)) &
+             .or. runs_along(outline, polygon%corner(:, k), polygon%corner(:, next), &
+                             polygon%corner(:, last)))
          if (is_gap) then
             polygon%corner(:, k:n - 1) = polygon%corner(:, k + 1:n)
             is_on_outline(k:n - 1) = is_on_outline(k + 1:n)

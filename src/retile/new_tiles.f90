@@ -2,6 +2,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_retile_new_tiles
    use coulter_base_kinds, only: wp
+   use coulter_contact_cut, only: cut_type
    use coulter_model, only: model_type
    use coulter_points_folds, only: deepest_overlap
    use coulter_points_outline, only: edges_of, outline_type, trace_outline
@@ -36,7 +37,7 @@ module coulter_retile_new_tiles
 contains
 
    !> New tiles of all bodies, body by body.
-   pure subroutine make_tiles(model, tiling, owner, has_failed)
+   pure subroutine make_tiles(model, tiling, owner, has_failed, cuts)
       !> Scene between two steps.
       type(model_type), intent(in) :: model
       !> The tiles.
@@ -46,6 +47,8 @@ contains
       !> Would bodies that share corners do so no more, has a tile no area, or do tiles lie over
       !> each other?
       logical, intent(out) :: has_failed
+      !> Cuts ahead of corners of tools.
+      type(cut_type), intent(in), optional :: cuts(:)
       type(interfaces_type) :: interfaces
       real(wp), allocatable :: vertices(:, :, :), all_vertices(:, :, :)
       integer, allocatable :: field(:)
@@ -59,7 +62,7 @@ contains
       allocate (owner(0), field(0), all_vertices(2, 4, 0))
       do k = 1, maxval(piece)
          b = model%points%body(findloc(piece, k, dim=1))
-         call tile_piece(vertices, model, b, piece == k, interfaces, lies_over)
+         call tile_piece(vertices, model, b, piece == k, interfaces, lies_over, cuts)
          do_lie_over = do_lie_over .or. lies_over
          all_vertices = reshape([all_vertices, vertices], [2, 4, size(owner) + size(vertices, 3)])
          owner = [owner, spread(b, 1, size(vertices, 3))]
@@ -105,7 +108,7 @@ contains
    end subroutine find_pieces
 
    !> New tiles of a piece.
-   pure subroutine tile_piece(vertices, model, b, is_mine, interfaces, lies_over)
+   pure subroutine tile_piece(vertices, model, b, is_mine, interfaces, lies_over, cuts)
       !> Corners of the tiles, shape (2, 4, n).
       real(wp), allocatable, intent(out) :: vertices(:, :, :)
       type(model_type), intent(in) :: model
@@ -115,6 +118,7 @@ contains
       type(interfaces_type), intent(in) :: interfaces
       !> Do tiles lie over each other where the outline does not?
       logical, intent(out) :: lies_over
+      type(cut_type), intent(in), optional :: cuts(:)
       type(outline_type) :: outline
       real(wp), allocatable :: shift(:, :)
       real(wp) :: edge(2), depth
@@ -126,24 +130,25 @@ contains
       if (.not. model%bodies(b)%meets_itself) then
          call join_surfaces(outline, model, smallest_loop*product(edge))
       end if
-      call trim_outline(outline, model%boundaries, model%grid%smallest_spacing())
+      call trim_outline(outline, model%boundaries, model%grid%smallest_spacing(), cuts)
       depth = deepest_overlap(outline%corner, edges_of(outline))
       if (model%bodies(b)%meets_itself) call open_slits(outline, shift, minval(edge))
       call tile_outline(outline, model%grid%origin, edge, vertices)
       if (model%bodies(b)%meets_itself) call close_slits(vertices, outline, shift, minval(edge))
-      call settle_corners(vertices, model, is_mine, interfaces, depth)
+      call settle_corners(vertices, model, is_mine, interfaces, depth, cuts)
       lies_over = depth > tolerated*model%grid%smallest_spacing()
    end subroutine tile_piece
 
    !> Push corners out of tools, and shift free ones: new tiles of a piece get the area of its old
    !> ones.
-   pure subroutine settle_corners(vertices, model, is_mine, interfaces, depth)
+   pure subroutine settle_corners(vertices, model, is_mine, interfaces, depth, cuts)
       real(wp), intent(inout) :: vertices(:, :, :)
       type(model_type), intent(in) :: model
       logical, intent(in) :: is_mine(:)
       type(interfaces_type), intent(in) :: interfaces
       !> How far the outline lies over itself; on return, how much farther the tiles do.
       real(wp), intent(inout) :: depth
+      type(cut_type), intent(in), optional :: cuts(:)
       type(tiling_type) :: tiling
       logical, allocatable :: is_free(:)
       real(wp) :: h, area, total, gradient(2, 4)
@@ -160,7 +165,7 @@ contains
       call new_tiling(tiling, vertices, corner_tolerance*h)
       call push_corners_out(tiling, model%boundaries, h)
       allocate (is_free(tiling%n_corners))
-      call find_free_corners(is_free, tiling, model)
+      call find_free_corners(is_free, tiling, model, cuts)
       if (any(model%bodies%meets_itself)) is_free = is_free &
          .and. .not. are_facing(tiling%position, tiling%outer_edge, bonded*h)
       do c = 1, tiling%n_corners
@@ -176,13 +181,15 @@ contains
       end do
    end subroutine settle_corners
 
-   !> Corners on the outline that are near no boundary, no held node and no side of the grid.
-   pure subroutine find_free_corners(is_free, tiling, model)
+   !> Corners on the outline that are near no boundary, no root of a cut, no held node and no side of
+   !> the grid.
+   pure subroutine find_free_corners(is_free, tiling, model, cuts)
       logical, intent(out) :: is_free(:)
       type(tiling_type), intent(in) :: tiling
       type(model_type), intent(in) :: model
+      type(cut_type), intent(in), optional :: cuts(:)
       real(wp) :: near
-      integer :: b, c, f
+      integer :: b, c, f, k
 
       near = touching*model%grid%smallest_spacing()
       is_free = .false.
@@ -204,6 +211,12 @@ contains
          do c = 1, tiling%n_corners
             if (is_free(c)) is_free(c) = .not. is_near_face(model%boundaries(b), &
                                                             tiling%position(:, c), near)
+         end do
+      end do
+      if (.not. present(cuts)) return
+      do k = 1, size(cuts)
+         do c = 1, tiling%n_corners
+            is_free(c) = is_free(c) .and. norm2(tiling%position(:, c) - cuts(k)%place) > near
          end do
       end do
    end subroutine find_free_corners

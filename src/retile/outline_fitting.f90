@@ -166,11 +166,13 @@ contains
    end subroutine collect
 
    !> Does the outline run, in its own sense and without turning back, from one place to another?
-   pure function runs_along(outline, from, to) result(answer)
+   pure function runs_along(outline, from, to, beside) result(answer)
       !> The outline.
       type(outline_type), intent(in) :: outline
       !> Both places, length units.
       real(wp), intent(in) :: from(2), to(2)
+      !> A place that it must not pass on the way, length units.
+      real(wp), intent(in), optional :: beside(2)
       logical :: answer
       integer, allocatable :: between(:)
       real(wp), allocatable :: path(:, :)
@@ -186,6 +188,8 @@ contains
          n = size(between)
          path = reshape([from, outline%corner(:, between), to], [2, n + 2])
          answer = sum(norm2(path(:, 2:) - path(:, :n + 1), dim=1)) <= most_bent*chord
+         if (answer .and. present(beside)) answer = .not. any( &
+            norm2(path(:, 2:n + 1) - spread(beside, 2, n), dim=1) <= round_off*chord)
          return
       end do
    end function runs_along
@@ -219,9 +223,12 @@ contains
       if (n == 0) return
       do i = 1, n
          distance(i) = distance_to_segment(place(:, i + 1), place(:, 1), place(:, n + 2))
-         if (is_feature(i)) distance(i) = max(distance(i), 2.0_wp*tolerance*spacing)
-         if (min(norm2(place(:, i + 1) - place(:, 1)), &
-                 norm2(place(:, i + 1) - place(:, n + 2))) < merging*spacing) distance(i) = 0.0_wp
+         if (is_feature(i)) then
+            distance(i) = max(distance(i), 2.0_wp*tolerance*spacing)
+         else if (min(norm2(place(:, i + 1) - place(:, 1)), &
+                      norm2(place(:, i + 1) - place(:, n + 2))) < merging*spacing) then
+            distance(i) = 0.0_wp
+         end if
       end do
       i = maxloc(distance, dim=1)
       if (distance(i) <= tolerance*spacing) return

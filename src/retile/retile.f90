@@ -19,6 +19,7 @@ module coulter_retile
    use coulter_points_tile_quality, only: is_distorted, is_worn
    use coulter_points_tiling, only: remember_pulls, tiling_type
    use coulter_retile_contact_transfer, only: carry_contacts
+   use coulter_retile_leads, only: are_cuts_due, look_ahead, next_time, note_roots
    use coulter_retile_meetings, only: do_overlap, report_joints
    use coulter_retile_new_tiles, only: make_tiles
    use coulter_retile_parting, only: report_parting
@@ -29,12 +30,10 @@ module coulter_retile
    use coulter_system_contact_state, only: whole_motion
    implicit none(type, external)
    private
-   public :: retile_if_distorted, retile_model
+   public :: retile_if_distorted, retile_model, cut_ahead
 
    !> Way of tools after which flowing bodies are tiled anew, over the spacing.
    real(wp), parameter :: longest_way = 0.4_wp
-   !> They are also if a tip has cut into tiles by more than this, over the spacing.
-   real(wp), parameter :: cut_in = 0.2_wp
 
 contains
 
@@ -57,14 +56,19 @@ contains
       system%way_since_tiling = system%way_since_tiling + way
       are_distorted = is_distorted(report%worst_corner, report%worst_aspect)
       are_due = is_flowing(model) .and. system%way_since_tiling >= longest_way &
-         .and. (is_worn(report%worst_corner, report%worst_aspect) &
-                .or. any(report%tip_penetrations > cut_in*model%grid%smallest_spacing()))
+         .and. is_worn(report%worst_corner, report%worst_aspect)
+      call look_ahead(system, model, next_time(model, system%end_time - system%start_time))
+      are_due = are_due .or. (model%control%may_retile .and. are_cuts_due(system, model))
       do_lie_over = do_overlap(system, model%grid%smallest_spacing())
-      if (.not. (are_distorted .or. are_due .or. do_lie_over)) return
+      if (.not. (are_distorted .or. are_due .or. do_lie_over)) then
+         call note_roots(system, model)
+         return
+      end if
       call find_parts(parts, model%tiling, model%points%body, size(model%bodies), part)
       folds = system%folds
       has_failed = .true.
       if (model%control%may_retile) call retile_model(model, system, has_failed)
+      call note_roots(system, model)
       report%has_retiled = .not. has_failed
       if (report%has_retiled) then
          call report_joints(report, model, folds)
@@ -86,6 +90,25 @@ contains
                        //to_text(report%worst_aspect, 2)//", both 1 at first): " &
                        //outcome_of(model, report%has_retiled))
    end subroutine retile_if_distorted
+
+   !> Tile all bodies anew before a step if that needs cuts ahead of corners of tools.
+   subroutine cut_ahead(model, system, end_time)
+      !> Scene at the start of the step.
+      type(model_type), intent(inout) :: model
+      !> Its system, set up.
+      type(system_type), intent(inout) :: system
+      !> When the step will end.
+      real(wp), intent(in) :: end_time
+      logical :: has_failed
+
+      if (.not. (allocated(model%tiling) .and. model%control%may_retile)) return
+      call look_ahead(system, model, end_time)
+      if (are_cuts_due(system, model)) then
+         call retile_model(model, system, has_failed)
+         system%is_set_up = .false.
+      end if
+      call note_roots(system, model)
+   end subroutine cut_ahead
 
    !> How far the fastest boundary has moved in the step.
    pure function way_of_tools(model, system) result(way)
@@ -125,7 +148,7 @@ contains
       type(loaded_edge_type), allocatable :: loaded(:)
       integer, allocatable :: owner(:), old_body(:)
 
-      call make_tiles(model, tiling, owner, has_failed)
+      call make_tiles(model, tiling, owner, has_failed, system%cuts)
       if (has_failed) return
       call transfer_points(points, tiling, owner, model%points, model%tiling, &
                            model%grid%smallest_spacing())
@@ -142,6 +165,7 @@ contains
       old_body = model%points%body
       model%tiling = tiling
       model%points = points
+      call note_roots(system, model)
       call limit_pulls(model)
       ! what else hangs on flow begins anew: sand that drops its contacts finds no balance otherwise
       if (allocated(model%points%has_flowed)) model%points%has_flowed = .false.

@@ -9,6 +9,7 @@ module coulter_retile_trimming
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
    use coulter_points_outline, only: encloses, insert_corner, outline_type
    use coulter_points_tiling, only: tiling_type
+   use coulter_contact_cut, only: cut_type
    implicit none(type, external)
    private
    public :: trim_outline, push_corners_out, is_near_face
@@ -40,13 +41,16 @@ contains
 
    !> Move corners behind faces onto them, and give the outline the corners of tools that are inside
    !> the body.
-   pure subroutine trim_outline(outline, boundaries, spacing)
+   pure subroutine trim_outline(outline, boundaries, spacing, cuts)
       !> Outline to trim.
       type(outline_type), intent(inout) :: outline
       !> Boundaries in their present position; those that hold for good are left alone.
       type(boundary_type), intent(in) :: boundaries(:)
       !> Grid spacing.
       real(wp), intent(in) :: spacing
+      !> Where the outline gets corners ahead of those of tools.
+      type(cut_type), intent(in), optional :: cuts(:)
+      real(wp) :: lead(2)
       integer :: b, c, v, pass
 
       ! a corner behind two faces that meet in a concave corner takes a pass for each
@@ -58,7 +62,9 @@ contains
       do b = 1, size(boundaries)
          if (boundaries(b)%is_bilateral .or. .not. boundaries(b)%is_active) cycle
          do v = 1, size(boundaries(b)%vertices, 2)
-            call add_vertex(outline, boundaries, b, v, spacing)
+            lead = 0.0_wp
+            if (present(cuts)) lead = lead_of(cuts, b, boundaries(b)%vertices(:, v))
+            call add_vertex(outline, boundaries, b, v, spacing, lead)
          end do
          do v = 1, size(boundaries(b)%vertices, 2) - 1
             call bend_along(outline, boundaries(b), v, spacing)
@@ -164,44 +170,63 @@ contains
 
    !> Let the outline have a corner where a boundary has a vertex: at it if that is inside the body,
    !> else where the outline passes by.
-   pure subroutine add_vertex(outline, boundaries, b, v, spacing)
+   pure subroutine add_vertex(outline, boundaries, b, v, spacing, lead)
       type(outline_type), intent(inout) :: outline
       type(boundary_type), intent(in) :: boundaries(:)
       !> Boundary, and its vertex.
       integer, intent(in) :: b, v
-      real(wp), intent(in) :: spacing
+      real(wp), intent(in) :: spacing, lead(2)
       real(wp) :: share, foot(2), limit, ends(2, 2)
+      real(wp) :: vertex(2), vertices(2, size(boundaries(b)%vertices, 2))
       integer :: edge, c, k
       logical :: is_inside, is_near(2)
 
-      associate (vertex => boundaries(b)%vertices(:, v), vertices => boundaries(b)%vertices)
-         is_inside = encloses(outline, vertex)
-         limit = merge(cut_off, passing, is_inside)*spacing
-         call nearest_edge(outline, boundaries(b), v, limit, edge, share)
-         if (edge == 0) return
-         ends = outline%corner(:, [edge, outline%next(edge)])
-         foot = (1.0_wp - share)*ends(:, 1) + share*ends(:, 2)
-         is_near = norm2(spread(foot, 2, 2) - ends, dim=1) < merging*spacing
-         do k = 1, 2
-            if (.not. (is_near(k) .and. is_inside)) cycle
-            ! what is held stays, and a tip in the body gets a corner beside it
-            is_near(k) = .not. leaves_hold(boundaries, ends(:, k), vertex, spacing)
-         end do
-         if (is_near(1)) then
-            c = edge
-         else if (is_near(2)) then
-            c = outline%next(edge)
-         else
-            call insert_corner(outline, edge, foot)
-            c = outline%n
-            if (is_inside) call add_crossings(outline, edge, c, ends, vertices, v, &
-                                              merging*spacing)
-         end if
-         if (leaves_hold(boundaries, outline%corner(:, c), vertex, spacing)) return
-         outline%is_feature(c) = .true.
-         if (is_inside) outline%corner(:, c) = vertex
-      end associate
+      vertices = boundaries(b)%vertices + spread(lead, 2, size(vertices, 2))
+      vertex = vertices(:, v)
+      is_inside = encloses(outline, vertex)
+      limit = merge(cut_off, passing, is_inside)*spacing
+      call nearest_edge(outline, boundaries, b, v, vertex, limit, spacing, edge, share)
+      if (edge == 0) return
+      ends = outline%corner(:, [edge, outline%next(edge)])
+      foot = (1.0_wp - share)*ends(:, 1) + share*ends(:, 2)
+      is_near = norm2(spread(foot, 2, 2) - ends, dim=1) < merging*spacing
+      do k = 1, 2
+         if (.not. (is_near(k) .and. is_inside)) cycle
+         ! what is held stays, and a tip in the body gets a corner beside it
+         is_near(k) = .not. leaves_hold(boundaries, ends(:, k), vertex, spacing)
+         if (.not. is_near(k)) outline%is_feature(merge(edge, outline%next(edge), k == 1)) = .true.
+      end do
+      if (is_near(1)) then
+         c = edge
+      else if (is_near(2)) then
+         c = outline%next(edge)
+      else
+         call insert_corner(outline, edge, foot)
+         c = outline%n
+         if (is_inside) call add_crossings(outline, edge, c, ends, vertices, v, &
+                                           merging*spacing)
+      end if
+      outline%is_feature(c) = .true.
+      if (is_inside) outline%corner(:, c) = vertex
    end subroutine add_vertex
+
+   !> How far the outline is cut ahead of a vertex.
+   pure function lead_of(cuts, b, vertex) result(lead)
+      type(cut_type), intent(in) :: cuts(:)
+      !> Number of the boundary, and its vertex: the first one is also the last where it is closed.
+      integer, intent(in) :: b
+      real(wp), intent(in) :: vertex(2)
+      real(wp) :: lead(2)
+      integer :: i
+
+      lead = 0.0_wp
+      do i = 1, size(cuts)
+         if (cuts(i)%boundary /= b) cycle
+         if (norm2(cuts(i)%tip - vertex) <= epsilon(1.0_wp)*norm2(vertex)) then
+            lead = cuts(i)%place - cuts(i)%tip
+         end if
+      end do
+   end function lead_of
 
    !> Would a corner that a boundary holds for good leave it for the vertex of another one? It would
    !> be pulled back.
@@ -296,11 +321,12 @@ contains
 
    !> Nearest edge of the outline that looks at a face beside a vertex, within a limit, and where on
    !> it the foot of the vertex lies: 0 at its first corner, 1 at its last.
-   pure subroutine nearest_edge(outline, boundary, v, limit, edge, share)
+   pure subroutine nearest_edge(outline, boundaries, b, v, vertex, limit, spacing, edge, share)
       type(outline_type), intent(in) :: outline
-      type(boundary_type), intent(in) :: boundary
-      integer, intent(in) :: v
-      real(wp), intent(in) :: limit
+      type(boundary_type), intent(in) :: boundaries(:)
+      integer, intent(in) :: b, v
+      !> Where the vertex counts to be.
+      real(wp), intent(in) :: vertex(2), limit, spacing
       integer, intent(out) :: edge
       real(wp), intent(out) :: share
       type(place_type) :: place
@@ -314,17 +340,22 @@ contains
       do c = 1, outline%n
          along = outline%corner(:, outline%next(c)) - outline%corner(:, c)
          if (.not. norm2(along) > 0.0_wp) cycle
-         here = dot_product(boundary%vertices(:, v) - outline%corner(:, c), along) &
+         here = dot_product(vertex - outline%corner(:, c), along) &
             /dot_product(along, along)
          here = min(max(here, 0.0_wp), 1.0_wp)
-         distance = norm2(boundary%vertices(:, v) - outline%corner(:, c) - here*along)
+         distance = norm2(vertex - outline%corner(:, c) - here*along)
          if (distance >= nearest) cycle
          looks = .false.
-         do s = max(v - 1, 1), min(v, size(boundary%vertices, 2) - 1)
-            call find_place(boundary, s, boundary%vertices(:, v), limit, place)
-            looks = looks .or. looks_at(along, place%normal)
-         end do
+         associate (boundary => boundaries(b))
+            do s = max(v - 1, 1), min(v, size(boundary%vertices, 2) - 1)
+               call find_place(boundary, s, boundary%vertices(:, v), limit, place)
+               looks = looks .or. looks_at(along, place%normal)
+            end do
+         end associate
          if (.not. looks) cycle
+         ! an edge that is held stays
+         if (leaves_hold(boundaries, outline%corner(:, c), vertex, spacing) .and. &
+             leaves_hold(boundaries, outline%corner(:, outline%next(c)), vertex, spacing)) cycle
          nearest = distance
          edge = c
          share = here

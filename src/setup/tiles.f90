@@ -73,7 +73,7 @@ contains
          motion(b) = boundary_motion(model, b, system%start_time, system%end_time)
       end do
       call build_contacts(system%contacts, model%boundaries, motion, model%tiling, &
-                          system%held_edges, model%grid%smallest_spacing())
+                          system%held_edges, model%grid%smallest_spacing(), system%cuts)
       system%has_friction = any(model%boundaries%has_friction())
       if (allocated(system%surfaces)) system%has_friction = system%has_friction &
          .or. any(model%body_contacts%rubs())

@@ -9,6 +9,7 @@ module coulter_step_passage
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
    use coulter_boundary_motion, only: motion_type, moved_by
    use coulter_model, only: model_type
+   use coulter_points_tiling, only: depth_in_tiles, tiling_type
    use coulter_system, only: system_type
    use coulter_system_contact_state, only: motion_of, whole_motion
    implicit none(type, external)
@@ -22,6 +23,9 @@ module coulter_step_passage
    !> unless the next face turns towards the material by an angle with more than this sine. Those
    !> less in front of a face than this, over the spacing, have been on it.
    real(wp), parameter :: near_end = 0.5_wp, pocket = 0.1_wp, on_face = 0.05_wp
+   !> Corners of tools may be this deep in tiles, over the spacing; steps are not refused for it when
+   !> their way is less than this share of that.
+   real(wp), parameter :: cut_in = 0.02_wp, shortest = 0.2_wp
 
 contains
 
@@ -31,7 +35,7 @@ contains
       !> Scene at the start of the step.
       type(model_type), intent(in) :: model
       !> System in equilibrium.
-      type(system_type), intent(in) :: system
+      type(system_type), intent(inout) :: system
       !> Which corner has passed what; unallocated when none has.
       character(len=:), allocatable, intent(inout) :: failure
       type(motion_type) :: motion
@@ -39,6 +43,9 @@ contains
       integer :: b, e
 
       call check_ends(model, system, failure)
+      if (.not. allocated(failure) .and. allocated(system%cuts)) then
+         call check_tips(model, system, failure)
+      end if
       if (allocated(failure)) return
       do b = 1, size(model%boundaries)
          if (model%boundaries(b)%is_bilateral .or. .not. model%boundaries(b)%is_active) cycle
@@ -105,6 +112,33 @@ contains
          end associate
       end do
    end subroutine check_ends
+
+   !> Refuse a step in which a sharp corner of a tool passes the root of the cut before it and gets
+   !> into a tile: soil at the root did not come along as it did in the last step.
+   pure subroutine check_tips(model, system, failure)
+      type(model_type), intent(in) :: model
+      type(system_type), intent(inout) :: system
+      character(len=:), allocatable, intent(inout) :: failure
+      type(tiling_type) :: tiling
+      real(wp) :: tip(2), most
+      integer :: i
+
+      tiling = model%tiling
+      tiling%position = tiling%position + system%map%increment
+      most = cut_in*model%grid%smallest_spacing()
+      do i = 1, size(system%cuts)
+         associate (cut => system%cuts(i))
+            tip = moved_by(whole_motion(system, model, cut%boundary), cut%tip)
+            ! nothing helps where there are no new tiles
+            if (norm2(tip - cut%tip) <= shortest*most .or. cut%corner == 0) cycle
+            if (depth_in_tiles(tiling, tip) <= most) cycle
+            system%must_recut = .true.
+            failure = name_of(model%boundaries(cut%boundary))//" would cut into a tile near (" &
+               //to_text(tip)//")"
+            return
+         end associate
+      end do
+   end subroutine check_tips
 
    !> Faces of a boundary at the end of the step.
    pure function moved_faces(boundary, motion) result(faces)

@@ -2,15 +2,14 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_penetration
    use coulter_base_kinds, only: wp
-   use coulter_base_polygon, only: area_and_centroid, contains_point, distance_to_segment, &
-      winding_number
+   use coulter_base_polygon, only: area_and_centroid, contains_point, distance_to_segment
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, flatten, new_face, place_on, place_type
    use coulter_contact, only: contacts_type
    use coulter_contact_tip, only: is_closed, look_at_corner
    use coulter_model, only: model_type
    use coulter_model_observer, only: step_report_type
-   use coulter_points_tiling, only: tiling_type
+   use coulter_points_tiling, only: depth_in_tiles, tiling_type
    implicit none(type, external)
    private
    public :: measure_penetrations
@@ -149,25 +148,16 @@ contains
       type(boundary_type), intent(in) :: tool
       type(tiling_type), intent(in) :: tiling
       real(wp) :: deepest
-      real(wp) :: depth, normal(2, 2)
-      integer :: e, v, n
+      real(wp) :: normal(2, 2)
+      integer :: v, n
       logical :: is_sharp
 
       deepest = 0.0_wp
       n = size(tool%vertices, 2) - 1
-      associate (first => tiling%position(:, tiling%outer_edge(1, :)), &
-                 last => tiling%position(:, tiling%outer_edge(2, :)))
-         do v = merge(1, 2, is_closed(tool)), n
-            call look_at_corner(tool, [merge(v - 1, n, v > 1), v], is_sharp, normal)
-            if (.not. is_sharp) cycle
-            if (winding_number(first, last, tool%vertices(:, v)) <= 0) cycle
-            depth = huge(depth)
-            do e = 1, size(first, 2)
-               depth = min(depth, distance_to_segment(tool%vertices(:, v), first(:, e), last(:, e)))
-            end do
-            deepest = max(deepest, depth)
-         end do
-      end associate
+      do v = merge(1, 2, is_closed(tool)), n
+         call look_at_corner(tool, [merge(v - 1, n, v > 1), v], is_sharp, normal)
+         if (is_sharp) deepest = max(deepest, depth_in_tiles(tiling, tool%vertices(:, v)))
+      end do
    end function depth_of_tips
 
 end module coulter_step_penetration

@@ -9,6 +9,7 @@ module coulter_step_run
    use coulter_model, only: model_type
    use coulter_model_observer, only: n_phases, observer_type, phase_output, scene_report_type, &
       step_report_type
+   use coulter_retile, only: cut_ahead
    use coulter_setup_sites, only: open_sites, release_sites
    use coulter_step, only: advance_step, prepare_system
    use coulter_step_phases, only: begin_phase
@@ -19,6 +20,9 @@ module coulter_step_run
    implicit none(type, external)
    private
    public :: run_model, describe_scene
+
+   !> A step in which tips get into tiles is repeated so often with other cuts before it is halved.
+   integer, parameter :: most_recuts = 2
 
 contains
 
@@ -42,6 +46,7 @@ contains
       call describe_system(model, system, scene, error)
       if (.not. allocated(error)) then
          call observer%start(model, scene, error)
+         call cut_ahead(model, system, model%schedule%end_time(1))
          do step = 1, model%schedule%n_steps()
             if (allocated(error)) exit
             phase = model%schedule%phase_of(step)
@@ -112,12 +117,16 @@ contains
                            report, failure)
          if (allocated(failure)) then
             call try_again(model, system, increment, n_halvings, is_lost)
+            if (system%must_recut) call cut_ahead(model, system, &
+                                                  end_of_part(model%time, increment, last_time))
+            system%must_recut = .false.
             if (.not. is_lost) cycle
             call fatal_error(error, failure_message(model, step, n_halvings, failure, &
                                                     is_settling(system)) &
                              //text_of_parts(model, system))
             return
          end if
+         system%n_recuts = 0
          report%n_halvings = n_halvings
          report%n_settling = system%n_settling
          if (is_settling(system)) then
@@ -155,6 +164,8 @@ contains
       if (is_lost) return
       if (is_settling(system)) then
          call settle_again(system, is_lost)
+      else if (system%must_recut .and. system%n_recuts < most_recuts) then
+         system%n_recuts = system%n_recuts + 1
       else if (n_halvings < model%control%max_halvings) then
          n_halvings = n_halvings + 1
          increment = system%verdict%step_ratio*increment

@@ -9,6 +9,7 @@ module coulter_step
    use coulter_newton, only: newton_type, solve_newton
    use coulter_newton_guess, only: forget_motion, remember_motion
    use coulter_retile, only: retile_if_distorted
+   use coulter_retile_leads, only: note_motions
    use coulter_retile_meetings, only: find_meetings
    use coulter_retile_report, only: report_changes, report_new_tiles
    use coulter_setup_prepare, only: prepare_step, prepare_system
@@ -53,6 +54,7 @@ contains
       ! Newton's method leaves out the last tangent where it can
       if (model%control%has_condition) call assemble(system, model, failed_point)
       call system%watch%start(phase_accept)
+      if (allocated(system%cuts)) call note_motions(system, model)
       if (allocated(model%tiling)) call check_passage(model, system, failure)
       if (allocated(model%tiling)) call find_meetings(system, model, failure)
       if (allocated(system%surfaces)) call check_sliding(system, model, failure)

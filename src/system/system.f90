@@ -16,6 +16,7 @@ module coulter_system
    use coulter_model_contact_report, only: contact_report_type
    use coulter_points_folds, only: fold_type
    use coulter_system_border, only: border_type
+   use coulter_contact_cut, only: cut_type
    use coulter_system_dofs, only: dofs_type
    use coulter_system_ghost, only: ghost_type
    use coulter_system_patches, only: patches_memory, patches_type
@@ -117,6 +118,11 @@ module coulter_system
       real(wp), allocatable :: forces_before_reset(:, :)
       !> Way of the fastest boundary since bodies were tiled, over the grid spacing.
       real(wp) :: way_since_tiling = 0.0_wp
+      !> Cuts ahead of corners of tools that part material; unallocated where none does.
+      type(cut_type), allocatable :: cuts(:)
+      !> Has a step been refused since a tip got into a tile, and how often has that been repeated?
+      logical :: must_recut = .false.
+      integer :: n_recuts = 0
       !> Edges that carry loads for good.
       type(loaded_edge_type), allocatable :: loaded_edges(:)
       !> Stabilised cell faces, their stiffness, and what they add to the tangent.
