@@ -96,7 +96,7 @@ contains
       do b = 1, size(approach)
          do i = 1, size(approach(b)%tips)
             associate (tip => approach(b)%tips(i))
-               if (any(tip%is_open) .and. .not. tip%is_round) list = [list, b, tip%vertex]
+               if (any(tip%is_open) .and. .not. (tip%is_round .or. tip%cuts)) list = [list, b, tip%vertex]
             end associate
          end do
       end do
@@ -111,7 +111,7 @@ contains
 
       do i = 1, size(cuts)
          associate (tips => approach(cuts(i)%boundary)%tips)
-            where (tips%vertex == cuts(i)%vertex .and. .not. tips%is_round) &
+            where (tips%vertex == cuts(i)%vertex .and. .not. (tips%is_round .or. tips%cuts)) &
                tips%root = cuts(i)%corner
          end associate
       end do

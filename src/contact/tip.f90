@@ -34,8 +34,8 @@ module coulter_contact_tip
       !> Outer edge that is nearest, and where on it the tip is: 0 at its first end, 1 at its last.
       integer :: edge = 0
       real(wp) :: share = 0.0_wp
-      !> Corner of the body to which that is cut ahead of the tip, 0 if it is not: the tip reaches it
-      !> in the step.
+      !> Corner of the body up to which that is cut ahead of the tip, 0 if it is not: the tip gets
+      !> there in the step.
       integer :: root = 0
    end type tip_type
 

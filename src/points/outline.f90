@@ -17,6 +17,8 @@ module coulter_points_outline
       integer, allocatable :: next(:), previous(:)
       !> Must a corner be kept however little the outline turns there? Shape (n).
       logical, allocatable :: is_feature(:)
+      !> Corners that are roots of cuts ahead of tools, or held beside one: kept beside others, too.
+      integer, allocatable :: roots(:)
       !> Does a corner lie beside a slit that is left open? Unallocated where none is, shape (n).
       logical, allocatable :: is_slit(:)
    end type outline_type

@@ -87,9 +87,10 @@ contains
          if (.not. last(i)%way > 0.0_wp) cycle
          cut%place = cut%place - norm2(way)/last(i)%way*last(i)%motion
       end do
-      ! a tip that just does not reach its root has nothing to press on
+      ! the face beside a tip that just does not reach its root would have nothing to press on
       way = cut%place - cut%tip
-      cut%place = cut%tip + max(0.0_wp, 1.0_wp - short*model%grid%smallest_spacing()/max(norm2(way), tiny(1.0_wp)))*way
+      if (norm2(way) > 0.0_wp) cut%place = cut%tip &
+         + max(0.0_wp, 1.0_wp - short*model%grid%smallest_spacing()/norm2(way))*way
    end subroutine place_cut
 
    !> How a boundary will move in the next step: free ones as in the last one.

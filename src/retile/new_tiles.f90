@@ -181,8 +181,8 @@ contains
       end do
    end subroutine settle_corners
 
-   !> Corners on the outline that are near no boundary, no root of a cut, no held node and no side of
-   !> the grid.
+   !> Corners on the outline that are near no boundary, no root of a cut, no held node and no side
+   !> of the grid.
    pure subroutine find_free_corners(is_free, tiling, model, cuts)
       logical, intent(out) :: is_free(:)
       type(tiling_type), intent(in) :: tiling

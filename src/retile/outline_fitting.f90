@@ -114,7 +114,8 @@ contains
       real(wp), intent(in) :: from(2), to(2), spacing
       real(wp), allocatable, intent(out) :: path(:, :)
       logical, allocatable :: is_kept(:)
-      integer :: start, n
+      logical :: is_root(outline%n)
+      integer :: start, n, k
       integer, allocatable :: between(:)
 
       allocate (path(2, 0))
@@ -126,8 +127,10 @@ contains
          if (.not. allocated(between)) cycle
          n = size(between)
          allocate (is_kept(n), source=.false.)
+         is_root = .false.
+         if (allocated(outline%roots)) is_root(:n) = [(any(outline%roots == between(k)), k=1, n)]
          associate (place => reshape([from, outline%corner(:, between), to], [2, n + 2]))
-            call keep_far_ones(place, outline%is_feature(between), spacing, is_kept)
+            call keep_far_ones(place, outline%is_feature(between), is_root(:n), spacing, is_kept)
          end associate
          path = outline%corner(:, pack(between, is_kept))
          return
@@ -210,11 +213,11 @@ contains
    !> Keep the inner corners of a chain that its chords would pass by too far (Douglas, D. H. and
    !> Peucker, T. K. (1973), Cartographica 10, 112-122), and features; none beside another that is
    !> kept: the short edge between them would be turned by the least gap.
-   pure recursive subroutine keep_far_ones(place, is_feature, spacing, is_kept)
-      !> Chain from end to end, shape (2, n + 2); is an inner one a feature, and is it kept, shape
-      !> (n).
+   pure recursive subroutine keep_far_ones(place, is_feature, is_root, spacing, is_kept)
+      !> Chain from end to end, shape (2, n + 2); is an inner one a feature, the root of a cut, and
+      !> is it kept, shape (n).
       real(wp), intent(in) :: place(:, :), spacing
-      logical, intent(in) :: is_feature(:)
+      logical, intent(in) :: is_feature(:), is_root(:)
       logical, intent(inout) :: is_kept(:)
       real(wp) :: distance(size(is_kept))
       integer :: i, n
@@ -223,18 +226,18 @@ contains
       if (n == 0) return
       do i = 1, n
          distance(i) = distance_to_segment(place(:, i + 1), place(:, 1), place(:, n + 2))
-         if (is_feature(i)) then
-            distance(i) = max(distance(i), 2.0_wp*tolerance*spacing)
-         else if (min(norm2(place(:, i + 1) - place(:, 1)), &
-                      norm2(place(:, i + 1) - place(:, n + 2))) < merging*spacing) then
-            distance(i) = 0.0_wp
-         end if
+         if (is_feature(i)) distance(i) = max(distance(i), 2.0_wp*tolerance*spacing)
+         if (is_root(i)) cycle
+         if (min(norm2(place(:, i + 1) - place(:, 1)), &
+                 norm2(place(:, i + 1) - place(:, n + 2))) < merging*spacing) distance(i) = 0.0_wp
       end do
       i = maxloc(distance, dim=1)
       if (distance(i) <= tolerance*spacing) return
       is_kept(i) = .true.
-      call keep_far_ones(place(:, :i + 1), is_feature(:i - 1), spacing, is_kept(:i - 1))
-      call keep_far_ones(place(:, i + 1:), is_feature(i + 1:), spacing, is_kept(i + 1:))
+      call keep_far_ones(place(:, :i + 1), is_feature(:i - 1), is_root(:i - 1), spacing, &
+                         is_kept(:i - 1))
+      call keep_far_ones(place(:, i + 1:), is_feature(i + 1:), is_root(i + 1:), spacing, &
+                         is_kept(i + 1:))
    end subroutine keep_far_ones
 
    !> Is the area positive, and do no two edges cross?

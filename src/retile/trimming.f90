@@ -179,8 +179,9 @@ contains
       real(wp) :: share, foot(2), limit, ends(2, 2)
       real(wp) :: vertex(2), vertices(2, size(boundaries(b)%vertices, 2))
       integer :: edge, c, k
-      logical :: is_inside, is_near(2)
+      logical :: is_inside, is_near(2), is_cut
 
+      is_cut = any(abs(lead) > 0.0_wp)
       vertices = boundaries(b)%vertices + spread(lead, 2, size(vertices, 2))
       vertex = vertices(:, v)
       is_inside = encloses(outline, vertex)
@@ -194,7 +195,8 @@ contains
          if (.not. (is_near(k) .and. is_inside)) cycle
          ! what is held stays, and a tip in the body gets a corner beside it
          is_near(k) = .not. leaves_hold(boundaries, ends(:, k), vertex, spacing)
-         if (.not. is_near(k)) outline%is_feature(merge(edge, outline%next(edge), k == 1)) = .true.
+         if (.not. is_near(k) .and. is_cut) call keep_root(outline, &
+                                                           merge(edge, outline%next(edge), k == 1))
       end do
       if (is_near(1)) then
          c = edge
@@ -206,9 +208,24 @@ contains
          if (is_inside) call add_crossings(outline, edge, c, ends, vertices, v, &
                                            merging*spacing)
       end if
+      if (is_cut .and. is_inside) then
+         call keep_root(outline, c)
+      else if (leaves_hold(boundaries, outline%corner(:, c), vertex, spacing)) then
+         return
+      end if
       outline%is_feature(c) = .true.
       if (is_inside) outline%corner(:, c) = vertex
    end subroutine add_vertex
+
+   !> Keep a corner of the outline beside others, too.
+   pure subroutine keep_root(outline, c)
+      type(outline_type), intent(inout) :: outline
+      integer, intent(in) :: c
+
+      outline%is_feature(c) = .true.
+      if (.not. allocated(outline%roots)) allocate (outline%roots(0))
+      outline%roots = [outline%roots, c]
+   end subroutine keep_root
 
    !> How far the outline is cut ahead of a vertex.
    pure function lead_of(cuts, b, vertex) result(lead)
@@ -332,8 +349,9 @@ contains
       type(place_type) :: place
       real(wp) :: along(2), here, distance, nearest
       integer :: c, s
-      logical :: looks
+      logical :: looks, is_cut
 
+      is_cut = norm2(vertex - boundaries(b)%vertices(:, v)) > 0.0_wp
       edge = 0
       share = 0.0_wp
       nearest = limit
@@ -353,8 +371,8 @@ contains
             end do
          end associate
          if (.not. looks) cycle
-         ! an edge that is held stays
-         if (leaves_hold(boundaries, outline%corner(:, c), vertex, spacing) .and. &
+         ! a cut leaves edges that are held
+         if (is_cut .and. leaves_hold(boundaries, outline%corner(:, c), vertex, spacing) .and. &
              leaves_hold(boundaries, outline%corner(:, outline%next(c)), vertex, spacing)) cycle
          nearest = distance
          edge = c

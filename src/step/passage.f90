@@ -23,7 +23,7 @@ module coulter_step_passage
    !> unless the next face turns towards the material by an angle with more than this sine. Those
    !> less in front of a face than this, over the spacing, have been on it.
    real(wp), parameter :: near_end = 0.5_wp, pocket = 0.1_wp, on_face = 0.05_wp
-   !> Corners of tools may be this deep in tiles, over the spacing; steps are not refused for it when
+   !> Corners of tools may be this deep in tiles, over the spacing; steps are not refused for it if
    !> their way is less than this share of that.
    real(wp), parameter :: cut_in = 0.02_wp, shortest = 0.2_wp
 
