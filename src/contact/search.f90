@@ -96,7 +96,9 @@ contains
       do b = 1, size(approach)
          do i = 1, size(approach(b)%tips)
             associate (tip => approach(b)%tips(i))
-               if (any(tip%is_open) .and. .not. (tip%is_round .or. tip%cuts)) list = [list, b, tip%vertex]
+               ! rounded corners, and those that cut in with both faces, have no tiles cut ahead
+               if (tip%is_round .or. tip%cuts .or. .not. any(tip%is_open)) cycle
+               list = [list, b, tip%vertex]
             end associate
          end do
       end do
