@@ -43,9 +43,7 @@ contains
       integer :: b, e
 
       call check_ends(model, system, failure)
-      if (.not. allocated(failure) .and. allocated(system%cuts)) then
-         call check_tips(model, system, failure)
-      end if
+      if (.not. allocated(failure)) call check_tips(model, system, failure)
       if (allocated(failure)) return
       do b = 1, size(model%boundaries)
          if (model%boundaries(b)%is_bilateral .or. .not. model%boundaries(b)%is_active) cycle
@@ -114,31 +112,61 @@ contains
    end subroutine check_ends
 
    !> Refuse a step in which a sharp corner of a tool passes the root of the cut before it and gets
-   !> into a tile: soil at the root did not come along as it did in the last step.
+   !> into a tile, since soil at the root did not come along as it did in the last step, or one that
+   !> parts soil since this step, without a cut.
    pure subroutine check_tips(model, system, failure)
       type(model_type), intent(in) :: model
       type(system_type), intent(inout) :: system
       character(len=:), allocatable, intent(inout) :: failure
       type(tiling_type) :: tiling
+      integer, allocatable :: tips(:, :)
       real(wp) :: tip(2), most
       integer :: i
 
+      tips = tips_to_check(model, system)
+      if (size(tips) == 0) return
       tiling = model%tiling
       tiling%position = tiling%position + system%map%increment
       most = cut_in*model%grid%smallest_spacing()
-      do i = 1, size(system%cuts)
-         associate (cut => system%cuts(i))
-            tip = moved_by(whole_motion(system, model, cut%boundary), cut%tip)
-            ! nothing helps where there are no new tiles
-            if (norm2(tip - cut%tip) <= shortest*most .or. cut%corner == 0) cycle
-            if (depth_in_tiles(tiling, tip) <= most) cycle
-            system%must_recut = .true.
-            failure = name_of(model%boundaries(cut%boundary))//" would cut into a tile near (" &
-               //to_text(tip)//")"
-            return
+      do i = 1, size(tips, 2)
+         associate (place => model%boundaries(tips(1, i))%vertices(:, tips(2, i)))
+            tip = moved_by(whole_motion(system, model, tips(1, i)), place)
+            if (norm2(tip - place) <= shortest*most) cycle
          end associate
+         if (depth_in_tiles(tiling, tip) <= most) cycle
+         system%must_recut = .true.
+         failure = name_of(model%boundaries(tips(1, i)))//" would cut into a tile near (" &
+            //to_text(tip)//")"
+         return
       end do
    end subroutine check_tips
+
+   !> Corners of tools before which tiles are, or can be, cut: boundary and vertex of each. Nothing
+   !> helps where there are no new tiles.
+   pure function tips_to_check(model, system) result(tips)
+      type(model_type), intent(in) :: model
+      type(system_type), intent(in) :: system
+      integer, allocatable :: tips(:, :)
+      integer, allocatable :: list(:)
+      integer :: i
+
+      allocate (list(0))
+      if (allocated(system%cuts)) list = [(system%cuts(i)%boundary, system%cuts(i)%vertex, &
+                                           i=1, size(system%cuts))]
+      tips = reshape(list, [2, size(list)/2])
+      if (allocated(system%contacts%open_tips) .and. model%control%may_retile) then
+         do i = 1, size(system%contacts%open_tips, 2)
+            associate (tip => system%contacts%open_tips(:, i))
+               if (any(tips(1, :) == tip(1) .and. tips(2, :) == tip(2))) cycle
+               tips = reshape([tips, tip], [2, size(tips, 2) + 1])
+            end associate
+         end do
+      end if
+      if (.not. allocated(system%cuts)) return
+      associate (corner => [system%cuts%corner, spread(1, 1, size(tips, 2) - size(system%cuts))])
+         tips = tips(:, pack([(i, i=1, size(tips, 2))], corner > 0))
+      end associate
+   end function tips_to_check
 
    !> Faces of a boundary at the end of the step.
    pure function moved_faces(boundary, motion) result(faces)
