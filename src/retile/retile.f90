@@ -99,11 +99,14 @@ contains
       type(system_type), intent(inout) :: system
       !> When the step will end.
       real(wp), intent(in) :: end_time
-      logical :: has_failed
+      logical :: has_failed, has_roots
 
       if (.not. (allocated(model%tiling) .and. model%control%may_retile)) return
+      has_roots = .false.
+      if (allocated(system%cuts)) has_roots = any(system%cuts%corner > 0)
       call look_ahead(system, model, end_time)
-      if (are_cuts_due(system, model)) then
+      ! roots may also be too far ahead for a step that has been halved
+      if (has_roots .or. are_cuts_due(system, model)) then
          call retile_model(model, system, has_failed)
          system%is_set_up = .false.
       end if

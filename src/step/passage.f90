@@ -142,7 +142,7 @@ contains
    end subroutine check_tips
 
    !> Corners of tools before which tiles are, or can be, cut: boundary and vertex of each. Nothing
-   !> helps where there are no new tiles.
+   !> helps where new tiles have not brought a root.
    pure function tips_to_check(model, system) result(tips)
       type(model_type), intent(in) :: model
       type(system_type), intent(in) :: system
@@ -162,9 +162,10 @@ contains
             end associate
          end do
       end if
-      if (.not. allocated(system%cuts)) return
-      associate (corner => [system%cuts%corner, spread(1, 1, size(tips, 2) - size(system%cuts))])
-         tips = tips(:, pack([(i, i=1, size(tips, 2))], corner > 0))
+      if (.not. allocated(system%cuts) .or. system%n_recuts == 0) return
+      associate (n => size(system%cuts))
+         tips = tips(:, pack([(i, i=1, size(tips, 2))], &
+                             [system%cuts%corner > 0, (.true., i=n + 1, size(tips, 2))]))
       end associate
    end function tips_to_check
 
