@@ -30,6 +30,8 @@ N_ENDS = {"indentation/wedge": 2}
 #: Depths over the spacing of what may get into what, where it is not .02: the paper's method knows
 #: points only.
 DEPTHS = {"wedge/paper": 0.1}
+#: The same for corners of tools in bodies: clay that closes in behind the fluke passes one.
+TIPS = {"anchor/fluke": 0.1}
 
 
 def run(deck, folder, n_steps):
@@ -108,7 +110,7 @@ def test_deck(tmp_path, deck):
     assert history["penetrations"].max(initial=0.0) <= DEPTHS.get(name, 0.02) * spacing
     if "&contact" in text:
         assert history["surface_penetrations"].max() <= 0.02 * spacing
-    assert history["tip_penetrations"].max(initial=0.0) <= 0.02 * spacing
+    assert history["tip_penetrations"].max(initial=0.0) <= TIPS.get(name, 0.02) * spacing
     forces = max(np.abs(history[f"{what}_reactions"]).max(initial=0.0)
                  for what in ("boundary", "fixity"))
     assert np.abs(history["imbalance"]).max() <= 1e-7 * forces
