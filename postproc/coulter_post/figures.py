@@ -44,7 +44,7 @@ OUTLIERS, STICKING_OUT = 0.002, 0.25
 #: Height of the title of a panel and its ticks, and least width of a panel (inches).
 TITLE, LEAST_WIDTH = 0.42, 1.5
 #: Tools whose mean thickness is a smaller share of the picture have no room for their name.
-SLENDER = 0.04
+SLENDER = 0.025
 #: Most residual curves that get a label each.
 MOST_LABELS = 10
 #: Most points whose domains get an edge each.
@@ -394,8 +394,9 @@ def _draw_boundary(panel: Axes, boundary: Boundary, view: np.ndarray) -> None:
     """
     polyline = boundary.polyline()
     panel.plot(*polyline.T, color=INK, linewidth=2.0, solid_capstyle="round")
-    if _thickness(polyline) < SLENDER * (view[1] - view[0]).max() and np.all(polyline <= view[1]):
-        top = polyline[np.argmax(polyline[:, 1])]
+    top = polyline[np.argmax(polyline[:, 1])]
+    room = 0.08 * (view[1] - view[0])[1]
+    if _thickness(polyline) < SLENDER * (view[1] - view[0]).max() and top[1] + room < view[1, 1]:
         panel.annotate(
             boundary.name,
             top,
