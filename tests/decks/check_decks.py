@@ -30,8 +30,9 @@ N_ENDS = {"indentation/wedge": 2}
 #: Depths over the spacing of what may get into what, where it is not .02: the paper's method knows
 #: points only.
 DEPTHS = {"wedge/paper": 0.1}
-#: The same for corners of tools in bodies: clay that closes in behind the fluke passes one.
-TIPS = {"anchor/fluke": 0.1}
+#: The same for corners of tools in bodies, where tools turn: clay that closes in behind the fluke
+#: passes one in its last step, and one of the bucket is 0.04 in after one step with some round-off.
+TIPS = {"anchor/fluke": 0.1, "bucket/bucket": 0.1}
 
 
 def run(deck, folder, n_steps):
