@@ -6,7 +6,7 @@ module coulter_contact_tip
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
    use coulter_contact_open_end, only: ends_openly, look_at_way, recedes
-   use coulter_points_tiling, only: nearest_outer_edge, tiling_type
+   use coulter_points_tiling, only: distance_to_outline, nearest_outer_edge, tiling_type
    implicit none(type, external)
    private
    public :: tip_type, edge_place_type, find_tips, side_of, covered_share, place_on_edge, &
@@ -220,7 +220,8 @@ contains
                  last => tiling%position(:, tiling%outer_edge(2, :)))
          depth = slack
          is_inside = winding_number(first, last, corner) > 0
-         if (.not. is_inside) is_inside = is_on_outline(tiling, corner, slack)
+         ! on an outer edge, such as that on the axis of half a scene
+         if (.not. is_inside) is_inside = distance_to_outline(tiling, corner) < slack
          if (is_inside) depth = huge(depth)
          do e = 1, size(answer)
             along = (last(:, e) - first(:, e))/norm2(last(:, e) - first(:, e))
@@ -229,21 +230,5 @@ contains
          end do
       end associate
    end function may_meet
-
-   !> Is a position on an outer edge, such as that on the axis of half a scene?
-   pure function is_on_outline(tiling, position, slack) result(answer)
-      type(tiling_type), intent(in) :: tiling
-      real(wp), intent(in) :: position(2), slack
-      logical :: answer
-      real(wp) :: ends(2, 2), share
-      integer :: edge
-
-      call nearest_outer_edge(tiling, position, edge, share)
-      answer = edge > 0
-      if (.not. answer) return
-      ends = tiling%position(:, tiling%outer_edge(:2, edge))
-      share = min(max(share, 0.0_wp), 1.0_wp)
-      answer = norm2((1.0_wp - share)*ends(:, 1) + share*ends(:, 2) - position) < slack
-   end function is_on_outline
 
 end module coulter_contact_tip

@@ -14,7 +14,7 @@ module coulter_points_tiling
    private
    public :: tiling_type, new_tiling, corner_gradients, corner_weights, tile_centroid, &
       current_hourglass, remember_pulls, tile_outlines, measure_quality, nearest_outer_edge, &
-      depth_in_tiles, values_at, list_tiles
+      depth_in_tiles, distance_to_outline, values_at, list_tiles
 
    !> Tiles and their corners; tile p is the domain of point p.
    type :: tiling_type
@@ -195,17 +195,31 @@ contains
       !> Position, length units.
       real(wp), intent(in) :: position(2)
       real(wp) :: depth
-      real(wp) :: ends(2, 2), share
-      integer :: edge
 
       depth = 0.0_wp
       if (winding_number(tiling%position(:, tiling%outer_edge(1, :)), &
-                         tiling%position(:, tiling%outer_edge(2, :)), position) <= 0) return
+                         tiling%position(:, tiling%outer_edge(2, :)), position) > 0) then
+         depth = distance_to_outline(tiling, position)
+      end if
+   end function depth_in_tiles
+
+   !> Distance of a position from the nearest outer edge, huge if there is none.
+   pure function distance_to_outline(tiling, position) result(distance)
+      !> Tiles.
+      type(tiling_type), intent(in) :: tiling
+      !> Position, length units.
+      real(wp), intent(in) :: position(2)
+      real(wp) :: distance
+      real(wp) :: ends(2, 2), share
+      integer :: edge
+
+      distance = huge(distance)
       call nearest_outer_edge(tiling, position, edge, share)
+      if (edge == 0) return
       ends = tiling%position(:, tiling%outer_edge(:2, edge))
       share = min(max(share, 0.0_wp), 1.0_wp)
-      depth = norm2((1.0_wp - share)*ends(:, 1) + share*ends(:, 2) - position)
-   end function depth_in_tiles
+      distance = norm2((1.0_wp - share)*ends(:, 1) + share*ends(:, 2) - position)
+   end function distance_to_outline
 
    !> How far the worst tiles are from their undeformed shape.
    pure subroutine measure_quality(tiling, worst_corner, worst_aspect)
