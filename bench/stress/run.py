@@ -19,6 +19,7 @@ import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
 
 import h5py
@@ -110,8 +111,11 @@ def warnings_of(log: str) -> str:
     """First warning in a run log."""
     lines = log.splitlines()
     for i, line in enumerate(lines):
-        if "warning:" in line:
-            return short(" ".join([line.split("warning:")[1], *lines[i + 1:i + 2]]))
+        if "warning: " in line:
+            head, text = line.split("warning: ")
+            indent = " " * len(head + "warning: ")
+            rest = takewhile(lambda other: other.startswith(indent), lines[i + 1:])
+            return short(" ".join([text, *rest]))
     return ""
 
 

@@ -12,7 +12,7 @@ module coulter_newton_diagnosis
    use coulter_system, only: system_type
    implicit none(type, external)
    private
-   public :: contact_watch_type, watch_contacts, explain_stall, explain_singular
+   public :: contact_watch_type, watch_contacts, explain_stall, explain_singular, ghost_advice
 
    !> Iterations at the end that are looked at; contacts that change more often than this in them go
    !> to and fro.
@@ -104,11 +104,21 @@ contains
          text = text//free//"; give it a fixity or a boundary that holds it"
       else
          text = text//"all bodies are held, but material is unstable, or at its limit load:" &
-            //settling_advice(system, model)
-         if (.not. model%control%ghost_ratio > 0.0_wp) text = text &
-            //"; what fills little of a cell is held by `ghost_penalty` alone"
+            //settling_advice(system, model)//ghost_advice(model)
       end if
    end function explain_singular
+
+   !> What else may be free to move without ghost penalty.
+   pure function ghost_advice(model) result(text)
+      !> The scene.
+      type(model_type), intent(in) :: model
+      character(len=:), allocatable :: text
+
+      text = ""
+      if (allocated(model%tiling) .and. .not. model%control%ghost_ratio > 0.0_wp) then
+         text = "; what fills little of a cell is held by `ghost_penalty` alone"
+      end if
+   end function ghost_advice
 
    !> How to get past a limit load.
    pure function settling_advice(system, model) result(text)

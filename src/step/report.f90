@@ -8,6 +8,7 @@ module coulter_step_report
    use coulter_model, only: model_type
    use coulter_model_observer, only: add_warning, scene_report_type, step_report_type
    use coulter_newton, only: newton_type
+   use coulter_newton_diagnosis, only: ghost_advice
    use coulter_points, only: points_memory
    use coulter_points_tiling, only: measure_quality
    use coulter_retile_meetings, only: report_meetings
@@ -88,7 +89,7 @@ contains
          call name_loose_parts(report, model, system)
          call name_toppling(report, model, system)
       end if
-      call doubt(report, newton)
+      call doubt(report, newton, model)
    end subroutine report_step
 
    !> Force of every fixity on the body: what the held components lack in balance.
@@ -138,14 +139,16 @@ contains
    end subroutine collect_warnings
 
    !> Warn of answers that are not determined well.
-   pure subroutine doubt(report, newton)
+   pure subroutine doubt(report, newton, model)
       type(step_report_type), intent(inout) :: report
       type(newton_type), intent(in) :: newton
+      type(model_type), intent(in) :: model
       real(wp) :: residual
 
       if (newton%is_nearly_singular) then
          call add_warning(report%warnings, "the tangent is nearly singular: a body may be free to" &
-                          //" move, since no boundary or fixity holds it, and its place arbitrary")
+                          //" move, since no boundary or fixity holds it, and its place" &
+                          //" arbitrary"//ghost_advice(model))
       end if
       residual = newton%residuals(size(newton%residuals))
       if (newton%is_limited_by_round_off .and. residual > notable_residual) then
