@@ -8,6 +8,7 @@ module coulter_retile_new_tiles
    use coulter_points_outline, only: edges_of, outline_type, trace_outline
    use coulter_points_parts, only: find_parts, part_type
    use coulter_points_tiling, only: corner_gradients, new_tiling, tiling_type
+   use coulter_retile_beside_faces, only: is_near_face
    use coulter_retile_filling, only: tile_outline
    use coulter_retile_interfaces, only: edges_of_tiles, find_interfaces, interfaces_type, &
       is_on_interface, is_torn, keep_ends
@@ -15,7 +16,7 @@ module coulter_retile_new_tiles
    use coulter_retile_state_transfer, only: restore_area
    use coulter_retile_slits, only: are_facing, close_slits, open_slits
    use coulter_retile_surface_transfer, only: is_on_other_piece
-   use coulter_retile_trimming, only: is_near_face, push_corners_out, trim_outline
+   use coulter_retile_trimming, only: push_corners_out, trim_outline
    implicit none(type, external)
    private
    public :: make_tiles

@@ -8,7 +8,7 @@ module coulter_retile
    use coulter_boundary_edge_load, only: carry_loaded_edges, loaded_edge_type
    use coulter_boundary_held_edge, only: carry_held_edges, held_edge_type
    use coulter_boundary_motion, only: largest_shift
-   use coulter_law, only: law_response_type, law_visit_type, n_plane
+   use coulter_law_abstract, only: law_response_type, law_visit_type, n_plane
    use coulter_model, only: model_type
    use coulter_model_observer, only: add_warning, step_report_type
    use coulter_newton_guess, only: carry_motion
