@@ -8,7 +8,7 @@ module coulter_model
    use coulter_boundary_motion, only: motion_type
    use coulter_contact_body_contact, only: body_contact_type
    use coulter_grid, only: grid_type
-   use coulter_law, only: law_item_type
+   use coulter_law_abstract, only: law_item_type
    use coulter_model_body_force, only: body_force_type
    use coulter_model_control, only: control_type, no_last_phase, schedule_type
    use coulter_points, only: points_type

@@ -5,7 +5,7 @@ module coulter_model_prepare
    use coulter_base_kinds, only: wp
    use coulter_base_tensor, only: finger_of_log_strain_plane, log_strain_plane
    use coulter_base_text, only: to_text
-   use coulter_law, only: law_response_type, law_visit_type
+   use coulter_law_abstract, only: law_response_type, law_visit_type
    use coulter_model, only: model_type, point_moduli
    use coulter_model_control, only: domains_tiles
    use coulter_model_embedding, only: embed_tools

@@ -5,7 +5,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_results_frames
    use coulter_base_kinds, only: long, wp
-   use coulter_law, only: law_variable_type
+   use coulter_law_abstract, only: law_variable_type
    use coulter_model, only: model_type
    use coulter_model_output, only: output_type
    use coulter_points_fields, only: cauchy_stress, elastic_strain, full_gradient, n_symmetric, &

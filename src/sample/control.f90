@@ -4,7 +4,7 @@ module coulter_sample_control
    use coulter_algebra_dense, only: solve_dense
    use coulter_base_kinds, only: wp
    use coulter_base_text, only: to_text
-   use coulter_law, only: law_type, law_verdict_type
+   use coulter_law_abstract, only: law_type, law_verdict_type
    use coulter_sample_state, only: sample_state_type, strain_state
    implicit none(type, external)
    private

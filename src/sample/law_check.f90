@@ -3,7 +3,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_sample_law_check
    use coulter_base_kinds, only: wp
-   use coulter_law, only: law_type, law_verdict_type
+   use coulter_law_abstract, only: law_type, law_verdict_type
    use coulter_sample_state, only: sample_state_type, strain_state
    implicit none(type, external)
    private

@@ -4,7 +4,7 @@ module coulter_sample_record
    use coulter_base_error, only: error_type, fatal_error
    use coulter_base_kinds, only: wp
    use coulter_base_tensor, only: equivalent_stress
-   use coulter_law, only: law_type
+   use coulter_law_abstract, only: law_type
    use coulter_sample, only: sample_type
    use coulter_sample_state, only: sample_state_type
    implicit none(type, external)

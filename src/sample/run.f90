@@ -4,7 +4,7 @@ module coulter_sample_run
    use coulter_base_error, only: error_type, fatal_error
    use coulter_base_kinds, only: wp
    use coulter_base_text, only: to_text
-   use coulter_law, only: law_sites_type, law_type, law_verdict_type
+   use coulter_law_abstract, only: law_sites_type, law_type, law_verdict_type
    use coulter_sample, only: sample_type, stage_type
    use coulter_sample_control, only: demand_type, reach
    use coulter_sample_record, only: add_row, new_record, record_type

@@ -2,7 +2,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_sample
    use coulter_base_kinds, only: wp
-   use coulter_law, only: law_item_type
+   use coulter_law_abstract, only: law_item_type
    implicit none(type, external)
    private
    public :: sample_type, stage_type, test_plan_type

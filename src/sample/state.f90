@@ -4,7 +4,7 @@ module coulter_sample_state
    use coulter_base_kinds, only: wp
    use coulter_base_tensor, only: finger_of_log_strain_plane, inverse_2d, log_strain_plane, &
       log_strain_tangent_plane
-   use coulter_law, only: law_response_type, law_sites_type, law_type, law_verdict_type, &
+   use coulter_law_abstract, only: law_response_type, law_sites_type, law_type, law_verdict_type, &
       law_visit_type, n_plane
    use coulter_law_spatial, only: spin_of, stress_by_spin
    use coulter_sample, only: sample_type

@@ -1,7 +1,7 @@
 !> Tells laws that ask for it where the points are and how far the run is.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_setup_sites
-   use coulter_law, only: law_sites_type
+   use coulter_law_abstract, only: law_sites_type
    use coulter_model, only: model_type
    use coulter_system, only: system_type
    implicit none(type, external)

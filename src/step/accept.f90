@@ -8,7 +8,7 @@ module coulter_step_accept
    use coulter_base_text, only: to_text
    use coulter_boundary_motion, only: motion_type, moved_by, turn_matrix
    use coulter_grid_shape, only: shape_gradients_2d, shape_values_2d
-   use coulter_law, only: law_response_type, law_visit_type, n_plane
+   use coulter_law_abstract, only: law_response_type, law_visit_type, n_plane
    use coulter_model, only: model_type, point_moduli
    use coulter_points, only: point_state_type
    use coulter_points_tiling, only: tile_centroid, values_at

@@ -5,7 +5,7 @@
 module coulter_system_point_kernel
    use coulter_base_kinds, only: wp
    use coulter_base_tensor, only: inverse_2d, log_strain_plane
-   use coulter_law, only: law_response_type, law_type, law_visit_type, n_plane
+   use coulter_law_abstract, only: law_response_type, law_type, law_visit_type, n_plane
    implicit none(type, external)
    private
    public :: point_response_type, deform_point, respond, add_force, add_stiffness

@@ -12,7 +12,7 @@ module coulter_system
    use coulter_boundary_stations, only: stations_type
    use coulter_contact, only: contacts_type
    use coulter_grid_cells, only: cells_type
-   use coulter_law, only: law_sites_type, law_verdict_type, law_visit_type
+   use coulter_law_abstract, only: law_sites_type, law_verdict_type, law_visit_type
    use coulter_model_contact_report, only: contact_report_type
    use coulter_points_folds, only: fold_type
    use coulter_system_border, only: border_type
