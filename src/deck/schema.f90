@@ -53,8 +53,8 @@ module coulter_deck_schema
 
    !> All variables, group by group in the order of the groups.
    type(variable_rule_type), parameter :: variable_rules(*) = &
-      [scene_rules, law_rules, body_rules, contact_rules, boundary_rules, tool_rules, motion_rules, &
-       step_rules, run_rules, sample_rules]
+      [scene_rules, law_rules, body_rules, contact_rules, boundary_rules, tool_rules, &
+       motion_rules, step_rules, run_rules, sample_rules]
 
 contains
 

@@ -1,5 +1,5 @@
-!> Corners of the outline of a body where boundaries have vertices, or ahead of them, where tools cut
-!> it open.
+!> Corners of the outline of a body where boundaries have vertices, or ahead of them, where tools
+!> cut it open.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_retile_tool_corners
    use coulter_base_kinds, only: wp
@@ -22,8 +22,8 @@ module coulter_retile_tool_corners
       logical :: is_cut = .false., is_inside = .false.
       !> Edges farther away are left alone.
       real(wp) :: limit = 0.0_wp
-      !> Nearest edge, 0 if there is none, and where on it the foot of the place lies: 0 at its first
-      !> corner, 1 at its last.
+      !> Nearest edge, 0 if there is none, and where on it the foot of the place lies: 0 at its
+      !> first corner, 1 at its last.
       integer :: edge = 0
       real(wp) :: share = 0.0_wp
    end type vertex_type
