@@ -80,7 +80,7 @@ contains
 
       do i = 1, size(cuts)
          associate (tips => approach(cuts(i)%boundary)%tips)
-            where (tips%vertex == cuts(i)%vertex .and. .not. (tips%is_round .or. tips%cuts)) &
+            where (tips%vertex == cuts(i)%vertex .and. .not. tips%is_round) &
                tips%root = cuts(i)%corner
          end associate
       end do
@@ -99,13 +99,13 @@ contains
       do b = 1, size(approach)
          do i = 1, size(approach(b)%tips)
             associate (tip => approach(b)%tips(i))
-               ! rounded corners, and those that cut in with both faces, have no tiles cut ahead
-               if (tip%is_round .or. tip%cuts .or. .not. any(tip%is_open)) cycle
-               list = [list, b, tip%vertex]
+               ! rounded corners have no tiles cut ahead
+               if (tip%is_round .or. .not. any(tip%is_open)) cycle
+               list = [list, b, tip%vertex, merge(1, 0, tip%cuts)]
             end associate
          end do
       end do
-      if (size(list) > 0) contacts%open_tips = reshape(list, [2, size(list)/2])
+      if (size(list) > 0) contacts%open_tips = reshape(list, [3, size(list)/3])
    end subroutine list_open_tips
 
    !> Where a face of another tool carries on from the end of a face, that is not open: the body

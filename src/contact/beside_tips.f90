@@ -18,6 +18,10 @@ module coulter_contact_beside_tips
    !> What came round a corner of a tool by less than this is pushed out at once, over the spacing.
    real(wp), parameter :: round_slack = 0.02_wp
 
+   !> Beside a corner that cuts in with both faces, the root of the cut does not go with them, and
+   !> what they press there moves nothing: it carries this share of what linear functions give.
+   real(wp), parameter :: share_of_root = 0.5_wp
+
 contains
 
    !> Does an edge beside a corner look at the next face, which ends openly there: more than at this
@@ -87,6 +91,8 @@ contains
          contact%hold = overlap%hold(k)
          contact%leans = overlap%leans(k)
          contact%recedes = overlap%recedes
+         if (contact%leans .and. any(tips%root == contact%corner)) contact%weight &
+            = share_of_root*contact%weight
          if (overlap%is_partial .or. .not. contact%is_settled) return
          contact%give = depth_beside(boundary, tips, s, ends(:, 1), round_slack*approach%spacing)
          contact%hold = 0.0_wp

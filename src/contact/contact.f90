@@ -83,7 +83,8 @@ module coulter_contact
       !> The stations; only the first `n` are meaningful.
       type(contact_type), allocatable :: item(:)
       !> Corners of tools beside which faces end openly in the step: numbers of boundary and vertex,
-      !> shape (2, n_tips); unallocated where there is none.
+      !> and 1 if both faces press what it parts, else 0, shape (3, n_tips); unallocated where there
+      !> is none.
       integer, allocatable :: open_tips(:, :)
    end type contacts_type
 

@@ -10,6 +10,8 @@ module coulter_contact_cut
    type :: cut_type
       !> Number of the tool, and of its vertex.
       integer :: boundary = 0, vertex = 0
+      !> Do both of its faces press what it parts?
+      logical :: goes_in = .false.
       !> Where the vertex is now, length units.
       real(wp) :: tip(2) = 0.0_wp
       !> Where the root must be now for the vertex to reach it at the end of the next step.

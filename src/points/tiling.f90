@@ -45,6 +45,9 @@ module coulter_points_tiling
       integer, allocatable :: outer_edge(:, :)
    end type tiling_type
 
+   !> What is this near to an outer edge is on it, over the length of that.
+   real(wp), parameter :: on_edge = 0.02_wp
+
    !> Corners that some tile or edge list hangs on, in ragged rows.
    type :: bucket_type
       integer, allocatable :: start(:), item(:)
@@ -188,33 +191,59 @@ contains
       end do
    end subroutine nearest_outer_edge
 
-   !> How deep a position is in the tiles, 0 if it is in none.
-   pure function depth_in_tiles(tiling, position) result(depth)
+   !> How deep a position is in the tiles, 0 if it is in none. What is on an edge that does not bound
+   !> its body, as on the axis of half a scene, is in the body, too.
+   pure function depth_in_tiles(tiling, position, bounds) result(depth)
       !> Tiles.
       type(tiling_type), intent(in) :: tiling
       !> Position, length units.
       real(wp), intent(in) :: position(2)
+      !> Does an outer edge bound its body? Shape (n_edges); all do if absent.
+      logical, intent(in), optional :: bounds(:)
       real(wp) :: depth
+      logical :: is_inside
 
       depth = 0.0_wp
-      if (winding_number(tiling%position(:, tiling%outer_edge(1, :)), &
-                         tiling%position(:, tiling%outer_edge(2, :)), position) > 0) then
-         depth = distance_to_outline(tiling, position)
-      end if
+      is_inside = winding_number(tiling%position(:, tiling%outer_edge(1, :)), &
+                                 tiling%position(:, tiling%outer_edge(2, :)), position) > 0
+      if (present(bounds) .and. .not. is_inside) is_inside = is_on_edge(tiling, position, &
+                                                                        .not. bounds)
+      if (is_inside) depth = distance_to_outline(tiling, position, bounds)
    end function depth_in_tiles
 
+   !> Is a position on an outer edge?
+   pure function is_on_edge(tiling, position, mask) result(answer)
+      type(tiling_type), intent(in) :: tiling
+      real(wp), intent(in) :: position(2)
+      !> Edges that count, shape (n_edges).
+      logical, intent(in) :: mask(:)
+      logical :: answer
+      real(wp) :: share
+      integer :: e
+
+      call nearest_outer_edge(tiling, position, e, share, mask)
+      answer = e > 0
+      if (.not. answer) return
+      associate (ends => tiling%position(:, tiling%outer_edge(:2, e)))
+         answer = distance_to_outline(tiling, position, mask) &
+            < on_edge*norm2(ends(:, 2) - ends(:, 1))
+      end associate
+   end function is_on_edge
+
    !> Distance of a position from the nearest outer edge, huge if there is none.
-   pure function distance_to_outline(tiling, position) result(distance)
+   pure function distance_to_outline(tiling, position, mask) result(distance)
       !> Tiles.
       type(tiling_type), intent(in) :: tiling
       !> Position, length units.
       real(wp), intent(in) :: position(2)
+      !> Edges that count, shape (n_edges); all if absent.
+      logical, intent(in), optional :: mask(:)
       real(wp) :: distance
       real(wp) :: ends(2, 2), share
       integer :: edge
 
       distance = huge(distance)
-      call nearest_outer_edge(tiling, position, edge, share)
+      call nearest_outer_edge(tiling, position, edge, share, mask)
       if (edge == 0) return
       ends = tiling%position(:, tiling%outer_edge(:2, edge))
       share = min(max(share, 0.0_wp), 1.0_wp)

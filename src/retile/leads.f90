@@ -64,6 +64,7 @@ contains
       do i = 1, size(system%cuts)
          system%cuts(i)%boundary = system%contacts%open_tips(1, i)
          system%cuts(i)%vertex = system%contacts%open_tips(2, i)
+         system%cuts(i)%goes_in = system%contacts%open_tips(3, i) > 0
          call place_cut(system%cuts(i), last, system, model, end_time)
       end do
    end subroutine look_ahead
@@ -146,7 +147,8 @@ contains
       answer = .false.
       if (.not. allocated(system%cuts)) return
       do i = 1, size(system%cuts)
-         answer = depth_in_tiles(model%tiling, system%cuts(i)%place) &
+         answer = depth_in_tiles(model%tiling, system%cuts(i)%place, &
+                                 system%held_edges%boundary == 0) &
             > cut_in*model%grid%smallest_spacing()
          if (answer) return
       end do

@@ -31,6 +31,8 @@ module coulter_retile_new_tiles
    real(wp), parameter :: bonded = 0.05_wp
    !> Largest shift of free corners that restores the area, over the spacing.
    real(wp), parameter :: farthest_shift = 0.05_wp
+   !> Beside cuts of corners that go in, the share falls with this power of the distance.
+   integer, parameter :: nearness = 4
    !> Tiles that lie over each other by this much more than their outline are refused, over the
    !> spacing.
    real(wp), parameter :: tolerated = 0.05_wp
@@ -175,12 +177,37 @@ contains
          if (.not. (is_free(c) .and. size(model%body_contacts) > 0)) cycle
          is_free(c) = .not. is_on_other_piece(model, is_mine, tiling%position(:, c), bonded*h)
       end do
-      call restore_area(tiling, is_free, total, farthest_shift*h)
+      call restore_area(tiling, shares_of(tiling, is_free, h, cuts), total, farthest_shift*h)
       depth = deepest_overlap(tiling%position, tiling%outer_edge) - depth
       do p = 1, size(vertices, 3)
          vertices(:, :, p) = tiling%position(:, tiling%corner(:, p))
       end do
    end subroutine settle_corners
+
+   !> How much of what restores the area every corner takes: all free ones the same, but beside
+   !> corners of tools that go in with both faces the nearest ones most. There the soil that a cut
+   !> leaves out is what the faces do not press upwards in the step.
+   pure function shares_of(tiling, is_free, spacing, cuts) result(share)
+      type(tiling_type), intent(in) :: tiling
+      logical, intent(in) :: is_free(:)
+      real(wp), intent(in) :: spacing
+      type(cut_type), intent(in), optional :: cuts(:)
+      real(wp) :: share(size(is_free))
+      real(wp) :: distance(size(is_free))
+      integer :: c, k
+
+      share = merge(1.0_wp, 0.0_wp, is_free)
+      if (.not. (present(cuts) .and. any(is_free))) return
+      if (.not. any(cuts%goes_in)) return
+      distance = huge(1.0_wp)
+      do k = 1, size(cuts)
+         if (.not. cuts(k)%goes_in) cycle
+         do c = 1, size(distance)
+            distance(c) = min(distance(c), max(spacing, norm2(tiling%position(:, c) - cuts(k)%place)))
+         end do
+      end do
+      where (is_free) share = (minval(distance, mask=is_free)/distance)**nearness
+   end function shares_of
 
    !> Corners on the outline that are near no boundary, no root of a cut, no held node and no side
    !> of the grid.

@@ -25,11 +25,11 @@ module coulter_retile_state_transfer
 contains
 
    !> Shift the free corners of the outline along their normals until the tiles have a given area.
-   pure subroutine restore_area(tiling, is_free, area, limit)
+   pure subroutine restore_area(tiling, share, area, limit)
       !> Tiles to change; only their positions do.
       type(tiling_type), intent(inout) :: tiling
-      !> May a corner move? Shape (n_corners).
-      logical, intent(in) :: is_free(:)
+      !> Shift of a corner over the largest one, 0 for those that may not move, shape (n_corners).
+      real(wp), intent(in) :: share(:)
       !> Area that they shall have together.
       real(wp), intent(in) :: area
       !> Largest shift, length units.
@@ -52,14 +52,15 @@ contains
          end do
          slope = 0.0_wp
          do k = 1, tiling%n_corners
-            if (is_free(k)) slope = slope + norm2(normal(:, k))
+            slope = slope + share(k)*norm2(normal(:, k))
          end do
          if (.not. slope > 0.0_wp) return
          step = min(max(shift + (area - total)/slope, -limit), limit) - shift
          shift = shift + step
          do k = 1, tiling%n_corners
-            if (.not. (is_free(k) .and. norm2(normal(:, k)) > 0.0_wp)) cycle
-            tiling%position(:, k) = tiling%position(:, k) + step*normal(:, k)/norm2(normal(:, k))
+            if (.not. (share(k) > 0.0_wp .and. norm2(normal(:, k)) > 0.0_wp)) cycle
+            tiling%position(:, k) = tiling%position(:, k) &
+               + share(k)*step*normal(:, k)/norm2(normal(:, k))
          end do
       end do
 

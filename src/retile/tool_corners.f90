@@ -3,6 +3,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_retile_tool_corners
    use coulter_base_kinds, only: wp
+   use coulter_base_polygon, only: distance_to_segment
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: place_type
    use coulter_contact_cut, only: cut_type
@@ -58,6 +59,8 @@ contains
       vertex%lead = lead
       vertex%is_cut = any(abs(lead) > 0.0_wp)
       vertex%is_inside = encloses(outline, vertex%place)
+      if (vertex%is_cut .and. .not. vertex%is_inside) vertex%is_inside &
+         = is_on_hold(boundaries, outline, vertex%place, spacing)
       vertex%limit = merge(cut_off, passing, vertex%is_inside)*spacing
       call find_edge(vertex, outline, boundaries, spacing)
       if (vertex%edge == 0) return
@@ -123,10 +126,7 @@ contains
          if (distance >= nearest) cycle
          if (.not. looks_at_vertex(along, boundaries(vertex%boundary), vertex)) cycle
          ! a cut leaves edges that are held
-         if (vertex%is_cut &
-             .and. leaves_hold(boundaries, outline%corner(:, c), vertex%place, spacing) &
-             .and. leaves_hold(boundaries, outline%corner(:, outline%next(c)), vertex%place, &
-                               spacing)) cycle
+         if (vertex%is_cut .and. is_held(boundaries, outline, c, spacing)) cycle
          nearest = distance
          vertex%edge = c
          vertex%share = here
@@ -180,6 +180,43 @@ contains
          end if
       end do
    end function lead_of
+
+   !> Does a boundary hold an edge for good?
+   pure function is_held(boundaries, outline, edge, spacing) result(answer)
+      type(boundary_type), intent(in) :: boundaries(:)
+      type(outline_type), intent(in) :: outline
+      !> Corner at which the edge starts.
+      integer, intent(in) :: edge
+      real(wp), intent(in) :: spacing
+      logical :: answer
+      integer :: b
+
+      answer = .false.
+      do b = 1, size(boundaries)
+         if (.not. (boundaries(b)%is_bilateral .and. boundaries(b)%is_active)) cycle
+         answer = is_near_face(boundaries(b), outline%corner(:, edge), on_face*spacing) &
+            .and. is_near_face(boundaries(b), outline%corner(:, outline%next(edge)), &
+                               on_face*spacing)
+         if (answer) return
+      end do
+   end function is_held
+
+   !> Is a place on an edge that a boundary holds for good, as on the axis of half a scene?
+   pure function is_on_hold(boundaries, outline, place, spacing) result(answer)
+      type(boundary_type), intent(in) :: boundaries(:)
+      type(outline_type), intent(in) :: outline
+      real(wp), intent(in) :: place(2), spacing
+      logical :: answer
+      integer :: c
+
+      answer = .false.
+      do c = 1, outline%n
+         if (distance_to_segment(place, outline%corner(:, c), outline%corner(:, outline%next(c))) &
+             > on_face*spacing) cycle
+         answer = is_held(boundaries, outline, c, spacing)
+         if (answer) return
+      end do
+   end function is_on_hold
 
    !> Would a corner that a boundary holds for good leave it for the vertex of another one? It would
    !> be pulled back.

@@ -133,7 +133,7 @@ contains
             tip = moved_by(whole_motion(system, model, tips(1, i)), place)
             if (norm2(tip - place) <= shortest*most) cycle
          end associate
-         if (depth_in_tiles(tiling, tip) <= most) cycle
+         if (depth_in_tiles(tiling, tip, system%held_edges%boundary == 0) <= most) cycle
          system%must_recut = .true.
          failure = name_of(model%boundaries(tips(1, i)))//" would cut into a tile near (" &
             //to_text(tip)//")"
@@ -156,7 +156,7 @@ contains
       tips = reshape(list, [2, size(list)/2])
       if (allocated(system%contacts%open_tips) .and. model%control%may_retile) then
          do i = 1, size(system%contacts%open_tips, 2)
-            associate (tip => system%contacts%open_tips(:, i))
+            associate (tip => system%contacts%open_tips(:2, i))
                if (any(tips(1, :) == tip(1) .and. tips(2, :) == tip(2))) cycle
                tips = reshape([tips, tip], [2, size(tips, 2) + 1])
             end associate

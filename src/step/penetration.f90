@@ -23,13 +23,16 @@ contains
    !> lies on one of its faces, of solid ones among those inside; and of the deepest corner of
    !> every tool in a tiled body. Corners that give way beside open ends do not count: they stay
    !> behind until new tiles come.
-   pure subroutine measure_penetrations(report, model, contacts)
+   pure subroutine measure_penetrations(report, model, contacts, bounds)
       !> Report of a step; gets `penetrations` and `tip_penetrations`.
       type(step_report_type), intent(inout) :: report
       !> Scene at the end of the step.
       type(model_type), intent(in) :: model
       !> Stations of the step.
       type(contacts_type), intent(in) :: contacts
+      !> Does an outer edge of the tiles bound its body, and is not on the axis of half a scene, say?
+      !> Shape (n_edges); all do if absent.
+      logical, intent(in), optional :: bounds(:)
       integer :: b
 
       allocate (report%penetrations(size(model%boundaries)), source=0.0_wp)
@@ -42,7 +45,7 @@ contains
                                                                  model%tiling%n_corners)), &
                                                  model%grid%smallest_spacing())
             if (model%boundaries(b)%is_tool) report%tip_penetrations(b) = &
-               depth_of_tips(model%boundaries(b), model%tiling)
+               depth_of_tips(model%boundaries(b), model%tiling, bounds)
          else
             report%penetrations(b) = penetration(model%boundaries(b), model%points%position, &
                                                  model%grid%smallest_spacing())
@@ -144,9 +147,10 @@ contains
 
    !> Distance from the outline of the deepest sharp corner of a tool inside tiles, 0 if none is.
    !> Ends of arcs do not count: edges of bodies are chords of these.
-   pure function depth_of_tips(tool, tiling) result(deepest)
+   pure function depth_of_tips(tool, tiling, bounds) result(deepest)
       type(boundary_type), intent(in) :: tool
       type(tiling_type), intent(in) :: tiling
+      logical, intent(in), optional :: bounds(:)
       real(wp) :: deepest
       real(wp) :: normal(2, 2)
       integer :: v, n
@@ -156,7 +160,7 @@ contains
       n = size(tool%vertices, 2) - 1
       do v = merge(1, 2, is_closed(tool)), n
          call look_at_corner(tool, [merge(v - 1, n, v > 1), v], is_sharp, normal)
-         if (is_sharp) deepest = max(deepest, depth_in_tiles(tiling, tool%vertices(:, v)))
+         if (is_sharp) deepest = max(deepest, depth_in_tiles(tiling, tool%vertices(:, v), bounds))
       end do
    end function depth_of_tips
 

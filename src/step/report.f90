@@ -76,7 +76,11 @@ contains
       call sum_fixity_reactions(report, model, system)
       report%imbalance = report%body_force + sum(report%boundary_reactions, dim=2) &
          + sum(report%fixity_reactions, dim=2)
-      call measure_penetrations(report, model, system%contacts)
+      if (allocated(model%tiling)) then
+         call measure_penetrations(report, model, system%contacts, system%held_edges%boundary == 0)
+      else
+         call measure_penetrations(report, model, system%contacts)
+      end if
       call report_contacts(report, model, system)
       if (allocated(system%surfaces)) call report_surfaces(report, model, system)
       if (allocated(model%tiling)) then
