@@ -191,8 +191,8 @@ contains
       end do
    end subroutine nearest_outer_edge
 
-   !> How deep a position is in the tiles, 0 if it is in none. What is on an edge that does not bound
-   !> its body, as on the axis of half a scene, is in the body, too.
+   !> How deep a position is in the tiles, 0 if it is in none. What is on an edge that does not
+   !> bound its body, as on the axis of half a scene, is in the body, too.
    pure function depth_in_tiles(tiling, position, bounds) result(depth)
       !> Tiles.
       type(tiling_type), intent(in) :: tiling

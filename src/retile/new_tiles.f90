@@ -203,7 +203,8 @@ contains
       do k = 1, size(cuts)
          if (.not. cuts(k)%goes_in) cycle
          do c = 1, size(distance)
-            distance(c) = min(distance(c), max(spacing, norm2(tiling%position(:, c) - cuts(k)%place)))
+            distance(c) = min(distance(c), &
+                              max(spacing, norm2(tiling%position(:, c) - cuts(k)%place)))
          end do
       end do
       where (is_free) share = (minval(distance, mask=is_free)/distance)**nearness

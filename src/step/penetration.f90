@@ -30,7 +30,7 @@ contains
       type(model_type), intent(in) :: model
       !> Stations of the step.
       type(contacts_type), intent(in) :: contacts
-      !> Does an outer edge of the tiles bound its body, and is not on the axis of half a scene, say?
+      !> Does an outer edge of the tiles bound its body, and is not on the axis of half a scene?
       !> Shape (n_edges); all do if absent.
       logical, intent(in), optional :: bounds(:)
       integer :: b
