@@ -12,6 +12,10 @@ module coulter_contact_station
    private
    public :: settle_end, weigh
 
+   !> Edges that look at a face by less than this product of their normals are met the less far behind
+   !> it the less they look at it: beside a tool thinner than a cell they tilt towards its far face.
+   real(wp), parameter :: looking = 0.3_wp
+
 contains
 
    !> What belongs to one end of the edge.
@@ -65,7 +69,7 @@ contains
       real(wp), intent(out) :: weight(2)
       type(face_type) :: face
       type(place_type) :: place(2)
-      real(wp) :: along(2)
+      real(wp) :: along(2), depth
       integer :: k
 
       along = ends(:, 2) - ends(:, 1)
@@ -78,7 +82,8 @@ contains
          if (weight(k) <= 0.5e-9_wp*norm2(along)) weight(k) = 0.0_wp
          place(k) = place_on(moved, ends(:, k) - moved%first, [0.0_wp, 0.0_wp])
       end do
-      if (minval(place%gap) > reach .or. maxval(place%gap) < -deepest &
+      depth = deepest*min(1.0_wp, maxval(weight)/(0.5_wp*looking*norm2(along)))
+      if (minval(place%gap) > reach .or. maxval(place%gap) < -depth &
           .or. maxval(place%distance) < -reach &
           .or. minval(place%distance) > moved%length + reach) weight = 0.0_wp
    end subroutine weigh
