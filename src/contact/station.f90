@@ -12,8 +12,8 @@ module coulter_contact_station
    private
    public :: settle_end, weigh
 
-   !> Edges that look at a face by less than this product of their normals are met the less far behind
-   !> it the less they look at it: beside a tool thinner than a cell they tilt towards its far face.
+   !> Edges that look at a face by less than this product of their normals are met the less far
+   !> behind it the less they look at it: beside a thin tool they tilt towards its far face.
    real(wp), parameter :: looking = 0.3_wp
 
 contains
