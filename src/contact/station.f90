@@ -69,7 +69,7 @@ contains
       real(wp), intent(out) :: weight(2)
       type(face_type) :: face
       type(place_type) :: place(2)
-      real(wp) :: along(2), depth
+      real(wp) :: along(2)
       integer :: k
 
       along = ends(:, 2) - ends(:, 1)
@@ -82,10 +82,11 @@ contains
          if (weight(k) <= 0.5e-9_wp*norm2(along)) weight(k) = 0.0_wp
          place(k) = place_on(moved, ends(:, k) - moved%first, [0.0_wp, 0.0_wp])
       end do
-      depth = deepest*min(1.0_wp, maxval(weight)/(0.5_wp*looking*norm2(along)))
-      if (minval(place%gap) > reach .or. maxval(place%gap) < -depth &
+      if (minval(place%gap) > reach .or. maxval(place%gap) < -deepest &
           .or. maxval(place%distance) < -reach &
           .or. minval(place%distance) > moved%length + reach) weight = 0.0_wp
+      if (.not. maxval(place%gap) < 0.0_wp) return
+      if (maxval(place%gap)*0.5_wp*looking*norm2(along) < -deepest*maxval(weight)) weight = 0.0_wp
    end subroutine weigh
 
 end module coulter_contact_station
