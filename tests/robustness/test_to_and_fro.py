@@ -41,6 +41,22 @@ BLADE = """&grid origin = -2.0, -4.0, spacing = 0.25, cells = 40, 28 /
 &table name = "way", time = 0.0, 0.25, 0.5, 0.75, 1.0, value = 0.0, 0.5, -0.1, 0.8, 0.6 /
 &steps count = 40 /
 """
+#: A blade goes away from sand 1 high that stands on an edge; half a metre below is a shelf.
+EDGE = """&grid origin = -3.0, -4.0, spacing = 0.25, cells = 44, 28 /
+&law name = "sand", model = "mohr_coulomb", youngs_modulus = 5000.0, poisson_ratio = 0.3
+   cohesion = 1.0, friction_angle = 30.0, dilation_angle = 30.0 /
+&body name = "bed", law = "sand", density = 1.0, k0 = 0.5 /
+&region body = "bed", rectangle = 0.0, -2.0, 5.0, 0.0 /
+&body_force acceleration = 0.0, -10.0, from_start = .true. /
+&boundary name = "base", kind = "fixed", vertices = -1.0, -2.0, 6.0, -2.0 /
+&boundary name = "far", kind = "roller", bilateral = .true., vertices = 5.0, -2.5, 5.0, 1.0 /
+&boundary name = "shelf", kind = "roller", friction = 0.3, vertices = -2.5, -1.5, 0.0, -1.5 /
+&boundary name = "near", kind = "roller", bilateral = .true., vertices = 0.0, -1.0, 0.0, -2.5 /
+&tool name = "blade", shape = "polygon", vertices = -0.5, -1.0, 0.0, -1.0, 0.0, 2.0, -0.5, 2.0
+   displacement = -0.5, 0.0, friction = 0.3 /
+&steps count = 10 /
+&control settle = .true. /
+"""
 
 
 def run(deck, folder):
@@ -53,7 +69,7 @@ def run(deck, folder):
         rows = file["history"].attrs["n_rows"]
         history = {name: file[f"history/{name}"][:rows]
                    for name in ("time", "is_complete", "penetrations", "boundary_reactions")}
-    assert history["penetrations"][:, 3].max() <= 0.02 * SPACING
+    assert history["penetrations"][:, -1].max() <= 0.02 * SPACING
     return history
 
 
@@ -88,3 +104,13 @@ def test_blade_is_passive_then_active_and_passive_again(tmp_path):
     # cohesion holds a face of 1 without a blade: 4 c/(gamma sqrt(Ka)) = 0.69, but not all of it
     assert 0.0 <= force_at(history, 0.5, 0) < 0.03 * first
     assert second == pytest.approx(first, rel=0.15)
+
+
+def test_sand_follows_a_blade_over_an_edge(tmp_path):
+    history = run(EDGE, tmp_path)
+    assert history["is_complete"].sum() >= 10
+    # all of its weight of 100 is borne at rest, some of it by the shelf, where nothing was at first
+    forces = history["boundary_reactions"]
+    assert forces[-1, :, 1].sum() == pytest.approx(100.0, rel=1e-6)
+    assert forces[0, 2, 1] == 0.0
+    assert forces[-1, 2, 1] > 0.1
