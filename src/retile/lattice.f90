@@ -108,8 +108,9 @@ contains
       where (winding > 0) lattice%state = 1
    end subroutine mark_inside
 
-   !> Move the nearest node to every sharp corner, the sharpest first; where gaps are kept, the
-   !> nearest first, and a corner whose node is taken takes the next one: both sides of a slit do.
+   !> Move the nearest node to every sharp corner, the sharpest first; where gaps are kept, those at
+   !> corners of tools and then the nearest first, and a corner whose node is taken takes the next
+   !> one: both sides of a slit do.
    pure subroutine move_to_corners(lattice, outline, h)
       type(lattice_type), intent(inout) :: lattice
       type(outline_type), intent(in) :: outline
@@ -123,8 +124,9 @@ contains
          do c = 1, outline%n
             if (.not. outline%is_slit(c)) cycle
             node = node_near(lattice, outline%corner(:, c))
-            if (turn(c) >= sharp) turn(c) = 10.0_wp*sharp - min(9.0_wp*sharp, norm2( &
-               lattice%position(:, node(1), node(2)) - outline%corner(:, c))/h)
+            if (turn(c) >= sharp) turn(c) = merge(20.0_wp, 10.0_wp, outline%is_feature(c))*sharp &
+               - min(9.0_wp*sharp, norm2(lattice%position(:, node(1), node(2)) &
+                                         - outline%corner(:, c))/h)
          end do
       end if
       do

@@ -2,6 +2,8 @@
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_retile_new_tiles
    use coulter_base_kinds, only: wp
+   use coulter_boundary_face, only: face_type
+   use coulter_boundary_plate, only: find_plates
    use coulter_contact_cut, only: cut_type
    use coulter_model, only: model_type
    use coulter_points_folds, only: deepest_overlap
@@ -21,8 +23,9 @@ module coulter_retile_new_tiles
    private
    public :: make_tiles
 
-   !> Loops of less than this share of a cell are dropped.
-   real(wp), parameter :: smallest_loop = 0.5_wp
+   !> Loops of less than these shares of a cell are dropped, without and with plates that may be in
+   !> them.
+   real(wp), parameter :: smallest_loop = 0.5_wp, smallest_plate = 0.02_wp
    !> Corners of tiles nearer than this are one, over the spacing.
    real(wp), parameter :: corner_tolerance = 1.0e-7_wp
    !> Corners of the outline this near to a face stay where they are, over the spacing.
@@ -123,21 +126,26 @@ contains
       logical, intent(out) :: lies_over
       type(cut_type), intent(in), optional :: cuts(:)
       type(outline_type) :: outline
+      type(face_type), allocatable :: plates(:)
       real(wp), allocatable :: shift(:, :)
-      real(wp) :: edge(2), depth
+      real(wp) :: edge(2), depth, least
 
       edge = model%grid%spacing/real(model%bodies(b)%points_per_cell, wp)
-      call trace_outline(outline, model%tiling%position, edges_of_tiles(interfaces, is_mine), &
-                         smallest_loop*product(edge))
+      call find_plates(plates, model%boundaries, model%points%position, &
+                       model%grid%smallest_spacing())
+      least = merge(smallest_loop, smallest_plate, size(plates) == 0)*product(edge)
+      call trace_outline(outline, model%tiling%position, edges_of_tiles(interfaces, is_mine), least)
       call keep_ends(outline, interfaces)
-      if (.not. model%bodies(b)%meets_itself) then
-         call join_surfaces(outline, model, smallest_loop*product(edge))
-      end if
+      if (.not. model%bodies(b)%meets_itself) call join_surfaces(outline, model, least)
       call trim_outline(outline, model%boundaries, model%grid%smallest_spacing(), cuts)
       depth = deepest_overlap(outline%corner, edges_of(outline))
-      if (model%bodies(b)%meets_itself) call open_slits(outline, shift, minval(edge))
+      if (model%bodies(b)%meets_itself) then
+         call open_slits(outline, shift, minval(edge))
+      else if (size(plates) > 0) then
+         call open_slits(outline, shift, minval(edge), plates)
+      end if
       call tile_outline(outline, model%grid%origin, edge, vertices)
-      if (model%bodies(b)%meets_itself) call close_slits(vertices, outline, shift, minval(edge))
+      if (allocated(shift)) call close_slits(vertices, outline, shift, minval(edge))
       call settle_corners(vertices, model, is_mine, interfaces, depth, cuts)
       lies_over = depth > tolerated*model%grid%smallest_spacing()
    end subroutine tile_piece

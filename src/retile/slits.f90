@@ -1,4 +1,5 @@
-!> Slits in a body whose surfaces press and rub, held open while new tiles are made.
+!> Slits in a body whose surfaces press and rub, or with a plate in them, held open while new tiles
+!> are made.
 !>
 !> Tiles of a lattice would join both sides of a gap that is far narrower than their spacing. Both
 !> sides therefore step back a little before, and what lies on them goes back with them afterwards
@@ -7,6 +8,8 @@
 module coulter_retile_slits
    use coulter_base_kinds, only: wp
    use coulter_base_polygon, only: distance_to_segment
+   use coulter_boundary_face, only: face_type
+   use coulter_boundary_plate, only: is_beside
    use coulter_points_folds, only: find_folds, fold_type
    use coulter_points_outline, only: edges_of, outline_type
    implicit none(type, external)
@@ -17,6 +20,8 @@ module coulter_retile_slits
    real(wp), parameter :: step_back = 0.06_wp
    !> Corners nearer to the other side than this are beside a slit, over the spacing.
    real(wp), parameter :: beside = 0.5_wp
+   !> Corners this near to a side of a plate lie on it, over the spacing.
+   real(wp), parameter :: on_plate = 0.1_wp
    !> Vertices this near to an edge of the outline lie on it, over the spacing.
    real(wp), parameter :: on_edge = 1.0e-6_wp
    !> What is left of the step, so that corners of both sides stay two.
@@ -25,28 +30,36 @@ module coulter_retile_slits
 contains
 
    !> Let both sides of slits step back, also where they overlap a little.
-   pure subroutine open_slits(outline, shift, spacing)
+   pure subroutine open_slits(outline, shift, spacing, plates)
       !> Outline of a body; some corners move.
       type(outline_type), intent(inout) :: outline
       !> How far every corner has moved, length units, shape (2, n).
       real(wp), allocatable, intent(out) :: shift(:, :)
       !> Grid spacing.
       real(wp), intent(in) :: spacing
-      logical :: is_beside(outline%n)
+      !> Sides of plates, if slits are only where these are.
+      type(face_type), intent(in), optional :: plates(:)
+      logical :: is_facing(outline%n), has_plate(outline%n)
       real(wp) :: along(2)
       integer :: c
 
+      has_plate = .false.
+      if (present(plates)) has_plate = [(is_beside(plates, outline%corner(:, c), &
+                                                   on_plate*spacing, on_plate*spacing), &
+                                         c=1, outline%n)]
       allocate (shift(2, outline%n))
       do c = 1, outline%n
          along = unit(outline%corner(:, outline%next(c)) - outline%corner(:, c)) &
             + unit(outline%corner(:, c) - outline%corner(:, outline%previous(c)))
          shift(:, c) = step_back*spacing*unit([-along(2), along(1)])
       end do
-      is_beside = are_facing(outline%corner + shift, edges_of(outline), 4.0_wp*step_back*spacing)
-      where (spread(.not. is_beside, 1, 2)) shift = 0.0_wp
+      is_facing = are_facing(outline%corner + shift, edges_of(outline), 4.0_wp*step_back*spacing)
+      if (present(plates)) is_facing = is_facing .and. has_plate
+      where (spread(.not. is_facing, 1, 2)) shift = 0.0_wp
       outline%corner = outline%corner + shift
-      is_beside = are_facing(outline%corner, edges_of(outline), beside*spacing)
-      if (any(is_beside)) outline%is_slit = is_beside
+      is_facing = are_facing(outline%corner, edges_of(outline), beside*spacing)
+      if (present(plates)) is_facing = has_plate
+      if (any(is_facing)) outline%is_slit = is_facing
    end subroutine open_slits
 
    !> Bring back what lies on sides that have stepped back.

@@ -96,7 +96,9 @@ contains
             is_near = .not. leaves_hold(boundaries, ends(:, k), vertex%place, spacing)
             if (.not. is_near .and. vertex%is_cut) call keep_root(outline, at_end(k))
          end if
-         if (is_near .and. c == 0) c = at_end(k)
+         if (.not. is_near) cycle
+         ! thin tools have two corners as near as that
+         if (c == 0 .or. vertex%share > 0.5_wp) c = at_end(k)
       end do
       if (c > 0) return
       call insert_corner(outline, vertex%edge, foot)

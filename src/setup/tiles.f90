@@ -8,8 +8,10 @@ module coulter_setup_tiles
    use coulter_base_kinds, only: wp
    use coulter_boundary, only: formulation_augmented
    use coulter_boundary_edge_load, only: find_loaded_edges
+   use coulter_boundary_face, only: face_type
    use coulter_boundary_held_edge, only: find_held_edges
    use coulter_boundary_motion, only: motion_type, turn_matrix
+   use coulter_boundary_plate, only: beside_plate, find_plates, is_beside
    use coulter_contact, only: recall_contacts
    use coulter_contact_search, only: build_contacts
    use coulter_model, only: boundary_motion, load_factor, model_type
@@ -43,6 +45,7 @@ contains
       integer :: p
 
       if (size(model%body_contacts) > 0) is_loose = model%bodies(model%points%body)%meets_itself
+      call loosen_beside_plates(is_loose, model)
       call map_tiles(system%map, system%cells, model%tiling, model%grid, first_outside, is_loose)
       if (first_outside > 0) return
       if (allocated(model%tiling%patch)) then
@@ -59,6 +62,25 @@ contains
       call find_stabilised_faces(system, model)
       system%hourglass_stiffness = [(hourglass_stiffness(model, p), p=1, model%points%n_points)]
    end subroutine find_tile_participants
+
+   !> Let what is on both sides of a plate move apart.
+   pure subroutine loosen_beside_plates(is_loose, model)
+      !> See `map_tiles`; allocated where there are plates.
+      logical, allocatable, intent(inout) :: is_loose(:)
+      type(model_type), intent(in) :: model
+      type(face_type), allocatable :: sides(:)
+      real(wp) :: h
+      integer :: p
+
+      h = model%grid%smallest_spacing()
+      call find_plates(sides, model%boundaries, model%points%position, h)
+      if (size(sides) == 0) return
+      if (.not. allocated(is_loose)) allocate (is_loose(model%points%n_points), source=.false.)
+      do p = 1, size(is_loose)
+         is_loose(p) = is_loose(p) .or. is_beside(sides, model%points%position(:, p), &
+                                                  beside_plate*h, 0.0_wp)
+      end do
+   end subroutine loosen_beside_plates
 
    !> Find the contacts of a step, which depend on the way that boundaries go in it.
    subroutine find_contacts(system, model)

@@ -1,4 +1,4 @@
-!> Tools so thin that what is on one side of them shares nodes with what is on the other.
+!> Tools so thin that the tiles at their ends are coarser than they are.
 ! SPDX-License-Identifier: BSD-3-Clause
 module coulter_step_thin_tools
    use coulter_base_kinds, only: wp
@@ -13,8 +13,8 @@ module coulter_step_thin_tools
    private
    public :: report_thin_tools
 
-   !> A tool with bodies on both sides needs this thickness, over the spacing; they are there if
-   !> corners of them are this near to its faces.
+   !> Tools with bodies on both sides are named below this thickness, over the spacing; they are
+   !> there if corners of them are this near to its faces.
    real(wp), parameter :: thinnest = 1.2_wp, near = 0.5_wp
    !> Faces are two sides of a plate if the product of their normals is below this; behind tips,
    !> which are less slender, what shares nodes presses openly.
@@ -45,8 +45,9 @@ contains
          if (.not. system%named_thin(b)) cycle
          call add_warning(report%warnings, "tool "//model%boundaries(b)%name//" is " &
                           //to_text(thickness, 2)//" cells thick near ("//to_text(place) &
-                          //"), with material on both sides, which drags each other along:" &
-                          //" take a finer grid or a tool of "//to_text(thinnest, 2)//" cells")
+                          //"), with material on both sides, which parts roughly at its ends:" &
+                          //" compare with a finer grid or a tool of "//to_text(thinnest, 2) &
+                          //" cells")
       end do
    end subroutine report_thin_tools
 
