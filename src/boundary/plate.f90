@@ -7,7 +7,7 @@ module coulter_boundary_plate
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
    implicit none(type, external)
    private
-   public :: find_plates, is_beside
+   public :: find_plates, find_thicknesses, is_beside
 
    !> Faces are two sides of a plate if the product of their normals is below this, and they are
    !> nearer than this, over the spacing.
@@ -28,41 +28,45 @@ contains
       real(wp), intent(in) :: place(:, :)
       !> Grid spacing.
       real(wp), intent(in) :: spacing
-      type(face_type), allocatable :: thin(:)
+      type(face_type), allocatable :: face(:), thin(:)
+      real(wp), allocatable :: thickness(:)
       integer :: b
 
       allocate (sides(0))
       do b = 1, size(boundaries)
          if (.not. (boundaries(b)%is_active .and. boundaries(b)%is_solid)) cycle
-         call find_thin_faces(thin, boundaries(b), spacing)
+         call find_thicknesses(thickness, face, boundaries(b))
+         thin = pack(face, thickness < thickest*spacing)
          if (n_met(thin, place, spacing) > 1) sides = [sides, thin]
       end do
    end subroutine find_plates
 
-   !> Find the faces of a tool that have another one close behind them.
-   pure subroutine find_thin_faces(thin, tool, spacing)
-      type(face_type), allocatable, intent(out) :: thin(:)
+   !> Find how thick a tool is behind the middle of every face.
+   pure subroutine find_thicknesses(thickness, face, tool)
+      !> Distance to the nearest face that looks the other way, length units, huge if there is none,
+      !> shape (n_faces).
+      real(wp), allocatable, intent(out) :: thickness(:)
+      !> The faces.
+      type(face_type), allocatable, intent(out) :: face(:)
+      !> The tool.
       type(boundary_type), intent(in) :: tool
-      real(wp), intent(in) :: spacing
-      type(face_type) :: face(size(tool%vertices, 2) - 1)
       type(place_type) :: foot
-      logical :: is_thin(size(face))
       integer :: i, k
 
+      allocate (face(size(tool%vertices, 2) - 1))
+      allocate (thickness(size(face)), source=huge(1.0_wp))
       do k = 1, size(face)
          call new_face(face(k), tool%vertices(:, k), tool%vertices(:, k + 1), tool%bulge(k))
       end do
-      is_thin = .false.
       do k = 1, size(face)
          do i = 1, size(face)
             if (dot_product(face(i)%normal, face(k)%normal) > opposed) cycle
             foot = place_on(face(i), face(k)%first - face(i)%first &
                             + 0.5_wp*face(k)%length*face(k)%tangent, [0.0_wp, 0.0_wp])
-            is_thin(k) = is_thin(k) .or. (foot%gap > -thickest*spacing .and. foot%gap < 0.0_wp)
+            if (foot%gap < 0.0_wp) thickness(k) = min(thickness(k), -foot%gap)
          end do
       end do
-      thin = pack(face, is_thin)
-   end subroutine find_thin_faces
+   end subroutine find_thicknesses
 
    !> How many faces have places right before them?
    pure function n_met(faces, place, spacing) result(n)

@@ -6,6 +6,7 @@ module coulter_contact_approach
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
    use coulter_boundary_motion, only: largest_shift, motion_type
+   use coulter_boundary_plate, only: find_plates, find_thicknesses
    use coulter_contact, only: contacts_type, end_slack
    use coulter_contact_cut, only: cut_type
    use coulter_contact_round_tip, only: add_round_tips
@@ -24,6 +25,9 @@ module coulter_contact_approach
       logical :: may_turn = .false.
       !> Its sharp corners, if it is a tool.
       type(tip_type), allocatable :: tips(:)
+      !> A plate with bodies on both sides: how thick it is behind every face, length units; else
+      !> unallocated.
+      real(wp), allocatable :: thickness(:)
       !> Edges farther away than `reach` or behind a face by more than `deepest` cannot be met;
       !> faces reach `slack` beyond their ends; spacing of the grid, length units.
       real(wp) :: reach = 0.0_wp, deepest = 0.0_wp, slack = 0.0_wp, spacing = 0.0_wp
@@ -53,6 +57,7 @@ contains
       !> Grid spacing.
       real(wp), intent(in) :: spacing
       real(wp) :: shift(size(boundaries))
+      type(face_type), allocatable :: sides(:)
       integer :: b
 
       do b = 1, size(boundaries)
@@ -60,6 +65,8 @@ contains
          approach(b)%number = b
          approach(b)%motion = motion(b)
          approach(b)%may_turn = abs(motion(b)%rotation) > 0.0_wp .or. boundaries(b)%turns_freely
+         call find_plates(sides, boundaries(b:b), tiling%position, spacing)
+         if (size(sides) > 0) call find_thicknesses(approach(b)%thickness, sides, boundaries(b))
          call find_tips(approach(b)%tips, boundaries(b), tiling, spacing)
          call close_abutting_ends(approach(b)%tips, boundaries, b, tiling, spacing)
          call add_round_tips(approach(b)%tips, boundaries(b), tiling, spacing)

@@ -12,7 +12,7 @@ module coulter_contact_search
    use coulter_contact_beside_tips, only: cover, looks_at_open_end, settle_reach
    use coulter_contact_cut, only: cut_type
    use coulter_contact_overlap, only: overlap_type
-   use coulter_contact_station, only: settle_end, weigh
+   use coulter_contact_station, only: are_beyond, settle_end, weigh
    use coulter_contact_tip_stations, only: press_tips
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
@@ -78,6 +78,9 @@ contains
                     moved_by(approach%motion, boundary%vertices(:, s + 1)), boundary%bulge(s))
       call weigh(boundary, s, contact%face, ends, approach%reach, approach%deepest, weight)
       if (.not. any(weight > 0.0_wp)) return
+      if (allocated(approach%thickness)) then
+         weight = merge(0.0_wp, weight, are_beyond(boundary, s, approach%thickness(s), ends))
+      end if
       contact%boundary = approach%number
       contact%segment = s
       contact%edge = e

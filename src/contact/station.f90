@@ -10,7 +10,7 @@ module coulter_contact_station
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
    private
-   public :: settle_end, weigh
+   public :: settle_end, weigh, are_beyond
 
    !> Edges that look at a face by less than this product of their normals are met the less far
    !> behind it the less they look at it: beside a thin tool they tilt towards its far face.
@@ -88,5 +88,27 @@ contains
       if (.not. maxval(place%gap) < 0.0_wp) return
       if (maxval(place%gap)*0.5_wp*looking*norm2(along) < -deepest*maxval(weight)) weight = 0.0_wp
    end subroutine weigh
+
+   !> Are ends of an edge behind a face of a plate, nearer to its other side? Edges across the ends
+   !> of a plate look at both sides a little.
+   pure function are_beyond(boundary, s, thickness, ends) result(answer)
+      !> The tool at the start of the step, and its segment.
+      type(boundary_type), intent(in) :: boundary
+      integer, intent(in) :: s
+      !> Thickness behind the face, length units.
+      real(wp), intent(in) :: thickness
+      !> Ends of the edge, one column each.
+      real(wp), intent(in) :: ends(2, 2)
+      logical :: answer(2)
+      type(face_type) :: face
+      type(place_type) :: place
+      integer :: k
+
+      call new_face(face, boundary%vertices(:, s), boundary%vertices(:, s + 1), boundary%bulge(s))
+      do k = 1, 2
+         place = place_on(face, ends(:, k) - face%first, [0.0_wp, 0.0_wp])
+         answer(k) = place%gap < -0.5_wp*thickness
+      end do
+   end function are_beyond
 
 end module coulter_contact_station
