@@ -10,8 +10,8 @@ module coulter_boundary_plate
    public :: find_plates, find_thicknesses, is_beside
 
    !> Faces are two sides of a plate if the product of their normals is below this, and they are
-   !> nearer than this, over the spacing.
-   real(wp), parameter :: opposed = -0.95_wp, thickest = 1.5_wp
+   !> nearer than this, over the spacing: thicker ones do as well with nodes in common.
+   real(wp), parameter :: opposed = -0.95_wp, thickest = 1.15_wp
    !> What is this near to a side of a plate shares nodes with what is on the other, over the
    !> spacing.
    real(wp), parameter, public :: beside_plate = 2.0_wp
