@@ -27,13 +27,16 @@ module coulter_retile
    use coulter_retile_surface_transfer, only: carry_surfaces
    use coulter_setup_bonds, only: carry_bonds
    use coulter_system, only: system_type
-   use coulter_system_contact_state, only: whole_motion
+   use coulter_system_contact_state, only: depth_given, whole_motion
    implicit none(type, external)
    private
    public :: retile_if_distorted, retile_model, cut_ahead
 
    !> Way of tools after which flowing bodies are tiled anew, over the spacing.
    real(wp), parameter :: longest_way = 0.4_wp
+   !> Depth from which on corners that give are put back onto their face by new tiles, over the
+   !> spacing.
+   real(wp), parameter :: most_given = 0.01_wp
 
 contains
 
@@ -58,7 +61,8 @@ contains
       are_due = is_flowing(model) .and. system%way_since_tiling >= longest_way &
          .and. is_worn(report%worst_corner, report%worst_aspect)
       call look_ahead(system, model, next_time(model, system%end_time - system%start_time))
-      are_due = are_due .or. (model%control%may_retile .and. are_cuts_due(system, model))
+      are_due = are_due .or. (model%control%may_retile .and. (are_cuts_due(system, model) &
+                                                              .or. have_given(system, model)))
       do_lie_over = do_overlap(system, model%grid%smallest_spacing())
       if (.not. (are_distorted .or. are_due .or. do_lie_over)) then
          call note_roots(system, model)
@@ -112,6 +116,22 @@ contains
       end if
       call note_roots(system, model)
    end subroutine cut_ahead
+
+   !> Are corners that give near open ends of faces so deep behind these that new tiles are to put
+   !> them back, before they get deeper in the next step?
+   pure function have_given(system, model) result(answer)
+      type(system_type), intent(in) :: system
+      type(model_type), intent(in) :: model
+      logical :: answer
+      integer :: k
+
+      answer = .false.
+      do k = 1, system%contacts%n
+         answer = depth_given(system, system%contacts%item(k)) &
+            > most_given*model%grid%smallest_spacing()
+         if (answer) return
+      end do
+   end function have_given
 
    !> How far the fastest boundary has moved in the step.
    pure function way_of_tools(model, system) result(way)

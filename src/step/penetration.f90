@@ -5,7 +5,6 @@ module coulter_step_penetration
    use coulter_base_polygon, only: area_and_centroid, contains_point, distance_to_segment
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, flatten, new_face, place_on, place_type
-   use coulter_contact, only: contacts_type
    use coulter_contact_tip, only: is_closed, look_at_corner
    use coulter_model, only: model_type
    use coulter_model_observer, only: step_report_type
@@ -21,15 +20,12 @@ contains
 
    !> Depth of the deepest point, or corner of a tile, behind every boundary, among those whose foot
    !> lies on one of its faces, of solid ones among those inside; and of the deepest corner of
-   !> every tool in a tiled body. Corners that give way beside open ends do not count: they stay
-   !> behind until new tiles come.
-   pure subroutine measure_penetrations(report, model, contacts, bounds)
+   !> every tool in a tiled body.
+   pure subroutine measure_penetrations(report, model, bounds)
       !> Report of a step; gets `penetrations` and `tip_penetrations`.
       type(step_report_type), intent(inout) :: report
       !> Scene at the end of the step.
       type(model_type), intent(in) :: model
-      !> Stations of the step.
-      type(contacts_type), intent(in) :: contacts
       !> Does an outer edge of the tiles bound its body, and is not on the axis of half a scene?
       !> Shape (n_edges); all do if absent.
       logical, intent(in), optional :: bounds(:)
@@ -40,9 +36,7 @@ contains
       do b = 1, size(report%penetrations)
          if (.not. model%boundaries(b)%is_active) cycle
          if (allocated(model%tiling)) then
-            report%penetrations(b) = penetration(model%boundaries(b), model%tiling%position( &
-                                                 :, held_corners(contacts, b, &
-                                                                 model%tiling%n_corners)), &
+            report%penetrations(b) = penetration(model%boundaries(b), model%tiling%position, &
                                                  model%grid%smallest_spacing())
             if (model%boundaries(b)%is_tool) report%tip_penetrations(b) = &
                depth_of_tips(model%boundaries(b), model%tiling, bounds)
@@ -52,24 +46,6 @@ contains
          end if
       end do
    end subroutine measure_penetrations
-
-   !> Corners that do not give way to a boundary.
-   pure function held_corners(contacts, boundary, n_corners) result(held)
-      type(contacts_type), intent(in) :: contacts
-      integer, intent(in) :: boundary, n_corners
-      integer, allocatable :: held(:)
-      logical :: gives(n_corners)
-      integer :: k
-
-      gives = .false.
-      do k = 1, contacts%n
-         associate (contact => contacts%item(k))
-            if (contact%boundary /= boundary) cycle
-            if (contact%give > 0.0_wp .or. contact%leans) gives(contact%corner) = .true.
-         end associate
-      end do
-      held = pack([(k, k=1, n_corners)], .not. gives)
-   end function held_corners
 
    !> Largest depth behind a boundary, 0 if nothing is there.
    pure function penetration(boundary, position, spacing) result(deepest)

@@ -77,9 +77,9 @@ contains
       report%imbalance = report%body_force + sum(report%boundary_reactions, dim=2) &
          + sum(report%fixity_reactions, dim=2)
       if (allocated(model%tiling)) then
-         call measure_penetrations(report, model, system%contacts, system%held_edges%boundary == 0)
+         call measure_penetrations(report, model, system%held_edges%boundary == 0)
       else
-         call measure_penetrations(report, model, system%contacts)
+         call measure_penetrations(report, model)
       end if
       call report_contacts(report, model, system)
       if (allocated(system%surfaces)) call report_surfaces(report, model, system)

@@ -12,7 +12,8 @@ module coulter_system_contact_state
    use coulter_system, only: system_type
    implicit none(type, external)
    private
-   public :: motion_of, whole_motion, locate, decide, augment_contacts, push_out, touching
+   public :: motion_of, whole_motion, locate, decide, augment_contacts, push_out, touching, &
+      depth_given
 
    !> Gaps below this share of the spacing count as closed: round-off of a body that starts on a
    !> wall.
@@ -149,6 +150,23 @@ contains
       other = place_on(contact%face, contact%other_offset, moved(:, 2))
       answer = reaches(contact%face, place%distance, other%distance, slack)
    end function is_reached
+
+   !> How deep a corner that gives near an open end of its face is behind that, length units.
+   pure function depth_given(system, contact) result(depth)
+      !> System in equilibrium.
+      type(system_type), intent(in) :: system
+      !> The station.
+      type(contact_type), intent(in) :: contact
+      real(wp) :: depth
+      type(place_type) :: place
+      real(wp) :: position(2)
+
+      depth = 0.0_wp
+      if (contact%recedes .or. .not. (contact%give > 0.0_wp .or. contact%leans)) return
+      call locate(contact, motion_of(system, contact), place, position)
+      if (place%distance < 0.0_wp .or. place%distance > contact%face%length) return
+      depth = max(0.0_wp, -place%gap)
+   end function depth_given
 
    !> End a round of the augmented Lagrangian method: what the penalty carries is remembered, so
    !> that it can relax.
