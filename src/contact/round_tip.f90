@@ -9,7 +9,7 @@ module coulter_contact_round_tip
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
    use coulter_contact_open_end, only: look_at_way, parts_here, recedes
-   use coulter_contact_tip, only: is_closed, tip_type
+   use coulter_contact_tip, only: faces_at, first_corner, is_closed, tip_type
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
    private
@@ -34,14 +34,13 @@ contains
       !> Grid spacing.
       real(wp), intent(in) :: spacing
       type(tip_type) :: tip
-      integer :: v, k, n
+      integer :: v, k
 
       ! nothing parts where all is elastic
       if (.not. (tool%is_tool .and. allocated(tool%bulges) .and. allocated(tiling%pull))) return
-      n = size(tool%vertices, 2) - 1
-      do v = merge(1, 2, is_closed(tool)), n
+      do v = first_corner(tool), size(tool%vertices, 2) - 1
          do k = 1, 2
-            tip = tip_type(vertex=v, faces=[merge(v - 1, n, v > 1), v], is_round=.true.)
+            tip = tip_type(vertex=v, faces=faces_at(tool, v), is_round=.true.)
             call look_at_arc(tip, tool, k, spacing)
             if (.not. tip%is_open(k)) cycle
             if (goes_on(tip, tool, k, tiling, spacing)) tips = [tips, tip]

@@ -10,7 +10,7 @@ module coulter_contact_tip
    implicit none(type, external)
    private
    public :: tip_type, edge_place_type, find_tips, side_of, covered_share, place_on_edge, &
-      is_closed, look_at_corner
+      is_closed, look_at_corner, first_corner, faces_at
 
    !> A sharp corner and the edge of a body that it may press on.
    type :: tip_type
@@ -72,16 +72,14 @@ contains
       real(wp), intent(in) :: spacing
       type(tip_type) :: tip
       real(wp) :: ends(2, 2), foot(2)
-      integer :: v, n, k
+      integer :: v, k
       logical :: is_sharp
 
       allocate (tips(0))
       if (.not. tool%is_tool) return
-      n = size(tool%vertices, 2) - 1
-      do v = 1, n
+      do v = first_corner(tool), size(tool%vertices, 2) - 1
          tip%vertex = v
-         tip%faces = [merge(v - 1, n, v > 1), v]
-         if (v == 1 .and. .not. is_closed(tool)) cycle
+         tip%faces = faces_at(tool, v)
          call look_at_corner(tool, tip%faces, is_sharp, tip%normal)
          if (.not. is_sharp) cycle
          call nearest_outer_edge(tiling, tool%vertices(:, v), tip%edge, tip%share, &
@@ -165,6 +163,26 @@ contains
          place%share_slope(:, 1) = -t/l - place%share_slope(:, 2)
       end associate
    end function place_on_edge
+
+   !> First vertex that has a face before and after it; the last one is that of the last face.
+   pure function first_corner(tool) result(vertex)
+      !> The tool.
+      type(boundary_type), intent(in) :: tool
+      integer :: vertex
+
+      vertex = merge(1, 2, is_closed(tool))
+   end function first_corner
+
+   !> Faces before and after a vertex.
+   pure function faces_at(tool, vertex) result(faces)
+      !> The tool.
+      type(boundary_type), intent(in) :: tool
+      !> Number of the vertex.
+      integer, intent(in) :: vertex
+      integer :: faces(2)
+
+      faces = [merge(vertex - 1, size(tool%vertices, 2) - 1, vertex > 1), vertex]
+   end function faces_at
 
    !> Does the chain of faces close?
    pure function is_closed(tool)

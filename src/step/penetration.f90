@@ -5,7 +5,7 @@ module coulter_step_penetration
    use coulter_base_polygon, only: area_and_centroid, contains_point, distance_to_segment
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, flatten, new_face, place_on, place_type
-   use coulter_contact_tip, only: is_closed, look_at_corner
+   use coulter_contact_tip, only: faces_at, first_corner, is_closed, look_at_corner
    use coulter_model, only: model_type
    use coulter_model_observer, only: step_report_type
    use coulter_points_tiling, only: depth_in_tiles, tiling_type
@@ -129,13 +129,12 @@ contains
       logical, intent(in), optional :: bounds(:)
       real(wp) :: deepest
       real(wp) :: normal(2, 2)
-      integer :: v, n
+      integer :: v
       logical :: is_sharp
 
       deepest = 0.0_wp
-      n = size(tool%vertices, 2) - 1
-      do v = merge(1, 2, is_closed(tool)), n
-         call look_at_corner(tool, [merge(v - 1, n, v > 1), v], is_sharp, normal)
+      do v = first_corner(tool), size(tool%vertices, 2) - 1
+         call look_at_corner(tool, faces_at(tool, v), is_sharp, normal)
          if (is_sharp) deepest = max(deepest, depth_in_tiles(tiling, tool%vertices(:, v), bounds))
       end do
    end function depth_of_tips

@@ -200,28 +200,27 @@ contains
       !> Was anything too deep?
       logical, intent(out) :: has_changed
       type(place_type) :: place
-      real(wp) :: position(2), depth(system%contacts%n)
+      real(wp) :: position(2), depth(system%contacts%n), spacing
       integer :: k
 
+      spacing = model%grid%smallest_spacing()
       depth = 0.0_wp
       do k = 1, system%contacts%n
-         associate (contact => system%contacts%item(k), spacing => model%grid%smallest_spacing())
+         associate (contact => system%contacts%item(k))
             if (.not. contact%is_acting .or. contact%is_bilateral) cycle
             if (contact%give > 0.0_wp .or. contact%leans) cycle
             if (contact%weight < hardly*spacing) cycle
             call locate(contact, motion_of(system, contact), place, position)
-            depth(k) = -place%gap/spacing
+            depth(k) = -place%gap
          end associate
       end do
-      has_changed = any(depth > too_deep(1)) .and. .not. any(depth > too_deep(2))
+      has_changed = any(depth > too_deep(1)*spacing) .and. .not. any(depth > too_deep(2)*spacing)
       if (has_changed) then
-         where (depth > too_deep(1)) system%contacts%item(:system%contacts%n)%shift &
-            = system%contacts%item(:system%contacts%n)%shift - depth*model%grid%smallest_spacing()
+         where (depth > too_deep(1)*spacing) system%contacts%item(:system%contacts%n)%shift &
+            = system%contacts%item(:system%contacts%n)%shift - depth
       end if
       if (.not. allocated(system%surfaces)) return
-      associate (h => model%grid%smallest_spacing())
-         call push_apart(system%surfaces%pairs, too_deep(1)*h, h, has_changed)
-      end associate
+      call push_apart(system%surfaces%pairs, too_deep(1)*spacing, spacing, has_changed)
    end subroutine push_out
 
 end module coulter_system_contact_state

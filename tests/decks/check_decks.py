@@ -28,8 +28,9 @@ RUBBING = {"plough/plough": (0.2, np.inf), "plough/share": (0.2, 5.0), "plough/s
 #: Ends of a face that new tiles move, where it is not one: the lip before a wedge rises with it.
 N_ENDS = {"indentation/wedge": 2}
 #: Depths over the spacing of what may get into what, where it is not .02: the paper's method knows
-#: points only, and corners give beside the bucket in four of its steps.
-DEPTHS = {"wedge/paper": 0.1, "bucket/bucket": 0.125}
+#: points only, and corners give beside the bucket in four of its steps, beside the sled, with some
+#: round-off, in one.
+DEPTHS = {"wedge/paper": 0.1, "bucket/bucket": 0.125, "hinge/hinge": 0.025}
 #: The same for corners of tools in bodies, where tools turn: clay that closes in behind the fluke
 #: passes one in its last step, and one of the bucket is 0.04 in after one step with some round-off.
 TIPS = {"anchor/fluke": 0.1, "bucket/bucket": 0.1}
