@@ -18,8 +18,8 @@ module coulter_contact_cut
       real(wp) :: place(2) = 0.0_wp
       !> Corner of the tiling that is the root, 0 if there is none near.
       integer :: corner = 0
-      !> Motion of the root in the last step, also in one that was refused, and way of the vertex
-      !> meanwhile, length units; 0 if nothing is known.
+      !> Motion of the root in the last step that found equilibrium, also in one that was refused,
+      !> and way of the vertex meanwhile, length units; 0 if nothing is known.
       real(wp) :: motion(2) = 0.0_wp, way = 0.0_wp
    end type cut_type
 

@@ -23,7 +23,8 @@ module coulter_retile_leads
 
 contains
 
-   !> Note what the roots of cuts have done in a step, and how far the tips have gone.
+   !> Note what the roots of cuts have done in a step, and how far the tips have gone; what is known
+   !> of others stays.
    pure subroutine note_motions(system, model)
       !> System in equilibrium.
       type(system_type), intent(inout) :: system
@@ -33,7 +34,6 @@ contains
 
       do i = 1, size(system%cuts)
          associate (cut => system%cuts(i))
-            cut%way = 0.0_wp
             if (cut%corner == 0) cycle
             cut%way = norm2(moved_by(whole_motion(system, model, cut%boundary), cut%tip) - cut%tip)
             cut%motion = system%map%increment(:, cut%corner)
@@ -86,7 +86,10 @@ contains
       do i = 1, size(last)
          if (last(i)%boundary /= cut%boundary .or. last(i)%vertex /= cut%vertex) cycle
          if (.not. last(i)%way > 0.0_wp) cycle
-         cut%place = cut%place - norm2(way)/last(i)%way*last(i)%motion
+         ! known until the next equilibrium: the next step may have none
+         cut%way = last(i)%way
+         cut%motion = last(i)%motion
+         cut%place = cut%place - norm2(way)/cut%way*cut%motion
       end do
       ! the face beside a tip that just does not reach its root would have nothing to press on
       way = cut%place - cut%tip
