@@ -19,6 +19,7 @@ module coulter_retile
    use coulter_points_tile_quality, only: is_distorted, is_worn
    use coulter_points_tiling, only: remember_pulls, tiling_type
    use coulter_retile_contact_transfer, only: carry_contacts
+   use coulter_retile_kept_tiles, only: bring_back, keep_tiles
    use coulter_retile_leads, only: are_cuts_due, look_ahead, next_time, note_roots
    use coulter_retile_meetings, only: do_overlap, report_joints
    use coulter_retile_new_tiles, only: make_tiles
@@ -28,6 +29,7 @@ module coulter_retile
    use coulter_setup_bonds, only: carry_bonds
    use coulter_system, only: system_type
    use coulter_system_contact_state, only: depth_given, whole_motion
+   use coulter_system_kept_tiles, only: kept_tiles_type
    implicit none(type, external)
    private
    public :: retile_if_distorted, retile_model, cut_ahead
@@ -55,6 +57,7 @@ contains
       logical :: are_distorted, are_due, do_lie_over, has_failed
       integer :: part(model%points%n_points)
 
+      if (allocated(system%kept_tiles)) deallocate (system%kept_tiles)
       way = way_of_tools(model, system)/model%grid%smallest_spacing()
       system%way_since_tiling = system%way_since_tiling + way
       are_distorted = is_distorted(report%worst_corner, report%worst_aspect)
@@ -95,7 +98,8 @@ contains
                        //outcome_of(model, report%has_retiled))
    end subroutine retile_if_distorted
 
-   !> Tile all bodies anew before a step if that needs cuts ahead of corners of tools.
+   !> Tile all bodies anew before a step if that needs cuts ahead of corners of tools: where tiles are
+   !> new already, from those before, as if there had been no others.
    subroutine cut_ahead(model, system, end_time)
       !> Scene at the start of the step.
       type(model_type), intent(inout) :: model
@@ -103,6 +107,7 @@ contains
       type(system_type), intent(inout) :: system
       !> When the step will end.
       real(wp), intent(in) :: end_time
+      type(kept_tiles_type), allocatable :: present
       logical :: has_failed, has_roots
 
       if (.not. (allocated(model%tiling) .and. model%control%may_retile)) return
@@ -111,7 +116,13 @@ contains
       call look_ahead(system, model, end_time)
       ! roots may also be too far ahead for a step that has been halved
       if (has_roots .or. are_cuts_due(system, model)) then
+         if (allocated(system%kept_tiles)) then
+            allocate (present)
+            call keep_tiles(present, model, system)
+            call bring_back(system%kept_tiles, model, system)
+         end if
          call retile_model(model, system, has_failed)
+         if (has_failed .and. allocated(present)) call bring_back(present, model, system)
          system%is_set_up = .false.
       end if
       call note_roots(system, model)
@@ -179,6 +190,10 @@ contains
       if (allocated(points%has_flowed)) call remember_pulls(tiling)
       call find_stresses(model, points, has_failed)
       if (has_failed) return
+      if (allocated(system%cuts) .and. .not. allocated(system%kept_tiles)) then
+         allocate (system%kept_tiles)
+         call keep_tiles(system%kept_tiles, model, system)
+      end if
       call carry_held_edges(held, tiling, system%held_edges, model%tiling)
       call carry_loaded_edges(loaded, tiling, system%loaded_edges, model%tiling)
       if (allocated(system%bonds)) call carry_bonds(system%bonds, tiling, model%tiling)

@@ -27,6 +27,7 @@ contains
          model%points%displacement = 0.0_wp
       end if
       call activate(model, phase)
+      if (allocated(system%kept_tiles)) deallocate (system%kept_tiles)
       call forget_motion(system)
       system%is_set_up = .false.
       if (allocated(system%held_edges)) call renew_held_edges(model, system%held_edges)

@@ -19,6 +19,7 @@ module coulter_system
    use coulter_contact_cut, only: cut_type
    use coulter_system_dofs, only: dofs_type
    use coulter_system_ghost, only: ghost_type
+   use coulter_system_kept_tiles, only: kept_tiles_type
    use coulter_system_patches, only: patches_memory, patches_type
    use coulter_system_star_groups, only: groups_memory, star_groups_type
    use coulter_system_surfaces, only: surfaces_type
@@ -120,6 +121,9 @@ module coulter_system
       real(wp) :: way_since_tiling = 0.0_wp
       !> Cuts ahead of corners of tools that part material; unallocated where none does.
       type(cut_type), allocatable :: cuts(:)
+      !> Tiles from before the last reset, until a step with the new ones is accepted; only with
+      !> cuts.
+      type(kept_tiles_type), allocatable :: kept_tiles
       !> Has a step been refused since a tip got into a tile, and how often has that been repeated?
       logical :: must_recut = .false.
       integer :: n_recuts = 0
