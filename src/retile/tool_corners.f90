@@ -7,6 +7,7 @@ module coulter_retile_tool_corners
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: place_type
    use coulter_contact_cut, only: cut_type
+   use coulter_contact_tip, only: is_closed
    use coulter_points_outline, only: encloses, insert_corner, outline_type
    use coulter_retile_beside_faces, only: edge_from, find_place, is_near_face, looks_at
    implicit none(type, external)
@@ -15,8 +16,9 @@ module coulter_retile_tool_corners
 
    !> A vertex of a boundary for which the outline is to have a corner.
    type :: vertex_type
-      !> Number of the boundary, and of the vertex in it.
-      integer :: boundary = 0, number = 0
+      !> Number of the boundary, and of its faces before and after the vertex, 0 where the chain
+      !> ends.
+      integer :: boundary = 0, faces(2) = 0
       !> Where the outline is to have the corner, and how far ahead of the vertex that is.
       real(wp) :: place(2) = 0.0_wp, lead(2) = 0.0_wp
       !> Is the outline cut ahead of the vertex, and is the place inside the body?
@@ -54,7 +56,7 @@ contains
       integer :: c
 
       vertex%boundary = b
-      vertex%number = v
+      vertex%faces = faces_beside(boundaries(b), v)
       vertex%place = boundaries(b)%vertices(:, v) + lead
       vertex%lead = lead
       vertex%is_cut = any(abs(lead) > 0.0_wp)
@@ -142,16 +144,27 @@ contains
       type(vertex_type), intent(in) :: vertex
       logical :: answer
       type(place_type) :: place
-      integer :: s
+      integer :: k
 
       answer = .false.
-      associate (v => vertex%number)
-         do s = max(v - 1, 1), min(v, size(boundary%vertices, 2) - 1)
-            call find_place(boundary, s, boundary%vertices(:, v), vertex%limit, place)
-            answer = answer .or. looks_at(along, place%normal)
-         end do
-      end associate
+      do k = 1, 2
+         if (vertex%faces(k) == 0) cycle
+         call find_place(boundary, vertex%faces(k), vertex%place - vertex%lead, vertex%limit, place)
+         answer = answer .or. looks_at(along, place%normal)
+      end do
    end function looks_at_vertex
+
+   !> Faces before and after a vertex, 0 where the chain ends.
+   pure function faces_beside(boundary, v) result(faces)
+      type(boundary_type), intent(in) :: boundary
+      integer, intent(in) :: v
+      integer :: faces(2)
+
+      associate (n => size(boundary%vertices, 2) - 1)
+         faces = [v - 1, merge(v, 0, v <= n)]
+         if (v == 1 .and. is_closed(boundary)) faces(1) = n
+      end associate
+   end function faces_beside
 
    !> Keep a corner of the outline beside others, too.
    pure subroutine keep_root(outline, c)
@@ -167,7 +180,7 @@ contains
    pure function lead_of(cuts, b, vertex) result(lead)
       !> Cuts ahead of corners of tools.
       type(cut_type), intent(in) :: cuts(:)
-      !> Number of the boundary, and its vertex: the first one is also the last where it is closed.
+      !> Number of the boundary, and its vertex.
       integer, intent(in) :: b
       real(wp), intent(in) :: vertex(2)
       !> The way to the root of the cut, 0 where there is none.
@@ -252,9 +265,9 @@ contains
       real(wp) :: place(2)
       integer :: k, s
 
-      do k = 0, 1
-         s = vertex%number - k
-         if (s < 1 .or. s >= size(boundary%vertices, 2)) cycle
+      do k = 2, 1, -1
+         s = vertex%faces(k)
+         if (s == 0) cycle
          place = crossing(ends, boundary%vertices(:, s:s + 1) + spread(vertex%lead, 2, 2))
          if (minval(norm2(ends - spread(place, 2, 2), dim=1)) > tolerance) then
             call insert_corner(outline, merge(vertex%edge, c, k == 1), place)

@@ -8,6 +8,7 @@ module coulter_retile_trimming
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, new_face, place_type
    use coulter_contact_cut, only: cut_type
+   use coulter_contact_tip, only: is_closed
    use coulter_points_outline, only: insert_corner, outline_type
    use coulter_points_tiling, only: tiling_type
    use coulter_retile_beside_faces, only: edge_from, find_place, looks_at
@@ -54,7 +55,8 @@ contains
       end do
       do b = 1, size(boundaries)
          if (boundaries(b)%is_bilateral .or. .not. boundaries(b)%is_active) cycle
-         do v = 1, size(boundaries(b)%vertices, 2)
+         ! the first vertex of a closed chain is also its last
+         do v = 1, size(boundaries(b)%vertices, 2) - merge(1, 0, is_closed(boundaries(b)))
             lead = 0.0_wp
             if (present(cuts)) lead = lead_of(cuts, b, boundaries(b)%vertices(:, v))
             call add_vertex(outline, boundaries, b, v, spacing, lead)
