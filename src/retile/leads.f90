@@ -9,6 +9,7 @@ module coulter_retile_leads
    use coulter_system, only: system_type
    use coulter_system_contact_state, only: whole_motion
    use coulter_contact_cut, only: cut_type
+   use coulter_contact_tip, only: look_at_corner
    implicit none(type, external)
    private
    public :: look_ahead, next_time, are_cuts_due, note_roots, note_motions
@@ -91,11 +92,31 @@ contains
          cut%motion = last(i)%motion
          cut%place = cut%place - norm2(way)/cut%way*cut%motion
       end do
+      call stay_in_front(cut, model)
       ! the face beside a tip that just does not reach its root would have nothing to press on
       way = cut%place - cut%tip
       if (norm2(way) > 0.0_wp) cut%place = cut%tip &
          + max(0.0_wp, 1.0_wp - short*model%grid%smallest_spacing()/norm2(way))*way
    end subroutine place_cut
+
+   !> Roots behind the face along which a tool slides would let it press on soil that it must push
+   !> aside, which then moves so that the next root is there again.
+   pure subroutine stay_in_front(cut, model)
+      type(cut_type), intent(inout) :: cut
+      type(model_type), intent(in) :: model
+      real(wp) :: normal(2, 2)
+      logical :: is_sharp
+      integer :: k
+
+      associate (tool => model%boundaries(cut%boundary), v => cut%vertex)
+         call look_at_corner(tool, [merge(v - 1, size(tool%vertices, 2) - 1, v > 1), v], is_sharp, &
+                             normal)
+      end associate
+      do k = 1, 2
+         cut%place = cut%place - min(0.0_wp, dot_product(normal(:, k), cut%place - cut%tip)) &
+            *normal(:, k)
+      end do
+   end subroutine stay_in_front
 
    !> How a boundary will move in the next step: free ones as in the last one.
    pure function next_motion(system, model, boundary, end_time) result(motion)
