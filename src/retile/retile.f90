@@ -98,8 +98,8 @@ contains
                        //outcome_of(model, report%has_retiled))
    end subroutine retile_if_distorted
 
-   !> Tile all bodies anew before a step if that needs cuts ahead of corners of tools: where tiles are
-   !> new already, from those before, as if there had been no others.
+   !> Tile all bodies anew before a step if that needs cuts ahead of corners of tools: where tiles
+   !> are new already, from those before, as if there had been no others.
    subroutine cut_ahead(model, system, end_time)
       !> Scene at the start of the step.
       type(model_type), intent(inout) :: model
