@@ -112,7 +112,11 @@ contains
 
       if (.not. (allocated(model%tiling) .and. model%control%may_retile)) return
       has_roots = .false.
-      if (allocated(system%cuts)) has_roots = any(system%cuts%corner > 0)
+      if (allocated(system%cuts)) then
+         has_roots = any(system%cuts%corner > 0)
+         ! nobody has seen what soil did where no root was
+         if (system%must_recut) where (system%cuts%corner == 0) system%cuts%way = 0.0_wp
+      end if
       call look_ahead(system, model, end_time)
       ! roots may also be too far ahead for a step that has been halved
       if (has_roots .or. are_cuts_due(system, model)) then
@@ -122,7 +126,10 @@ contains
             call bring_back(system%kept_tiles, model, system)
          end if
          call retile_model(model, system, has_failed)
-         if (has_failed .and. allocated(present)) call bring_back(present, model, system)
+         if (has_failed .and. allocated(present)) then
+            call bring_back(present, model, system)
+            call retile_model(model, system, has_failed)
+         end if
          system%is_set_up = .false.
       end if
       call note_roots(system, model)

@@ -117,9 +117,9 @@ contains
                            report, failure)
          if (allocated(failure)) then
             call try_again(model, system, increment, n_halvings, is_lost)
-            system%must_recut = .false.
             if (.not. is_lost) then
                call cut_ahead(model, system, end_of_part(model%time, increment, last_time))
+               system%must_recut = .false.
                cycle
             end if
             call fatal_error(error, failure_message(model, step, n_halvings, failure, &
