@@ -9,7 +9,7 @@ module coulter_retile_new_tiles
    use coulter_points_folds, only: deepest_overlap
    use coulter_points_outline, only: edges_of, outline_type, trace_outline
    use coulter_points_parts, only: find_parts, part_type
-   use coulter_points_tiling, only: corner_gradients, new_tiling, tiling_type
+   use coulter_points_tiling, only: corner_gradients, depth_in_tiles, new_tiling, tiling_type
    use coulter_retile_beside_faces, only: is_near_face
    use coulter_retile_filling, only: tile_outline
    use coulter_retile_interfaces, only: edges_of_tiles, find_interfaces, interfaces_type, &
@@ -39,10 +39,16 @@ module coulter_retile_new_tiles
    !> Tiles that lie over each other by this much more than their outline are refused, over the
    !> spacing.
    real(wp), parameter :: tolerated = 0.05_wp
+   !> Tips deeper in tiles than this are bridged, over the spacing.
+   real(wp), parameter :: bridged = 0.1_wp
+   !> Offsets of the lattices that are tried from the nodes of the grid, over the spacing.
+   real(wp), parameter :: offsets(2, 3) = reshape([0.0_wp, 0.0_wp, 0.5_wp, 0.5_wp, &
+                                                   0.25_wp, -0.25_wp], [2, 3])
 
 contains
 
-   !> New tiles of all bodies, body by body.
+   !> New tiles of all bodies. Where those on the nodes of the grid do not fit, or bridge the gap that a
+   !> tool is in, others are tried, and in the end bridges are put up with.
    pure subroutine make_tiles(model, tiling, owner, has_failed, cuts)
       !> Scene between two steps.
       type(model_type), intent(in) :: model
@@ -54,6 +60,41 @@ contains
       !> each other?
       logical, intent(out) :: has_failed
       !> Cuts ahead of corners of tools.
+      type(cut_type), intent(in), optional :: cuts(:)
+      integer :: k
+
+      do k = 1, size(offsets, 2)
+         call tile_bodies(model, tiling, owner, has_failed, offsets(:, k), cuts)
+         if (.not. has_failed .and. present(cuts)) has_failed = do_bridge(tiling, cuts, &
+                                                                model%grid%smallest_spacing())
+         if (.not. has_failed) return
+      end do
+      if (.not. present(cuts)) return
+      if (size(cuts) > 0) call tile_bodies(model, tiling, owner, has_failed, offsets(:, 1), cuts)
+   end subroutine make_tiles
+
+   !> Is a corner of a tool in a tile before which bodies are cut?
+   pure function do_bridge(tiling, cuts, spacing) result(answer)
+      type(tiling_type), intent(in) :: tiling
+      type(cut_type), intent(in) :: cuts(:)
+      real(wp), intent(in) :: spacing
+      logical :: answer
+      integer :: i
+
+      answer = .false.
+      do i = 1, size(cuts)
+         answer = answer .or. depth_in_tiles(tiling, cuts(i)%tip) > bridged*spacing
+      end do
+   end function do_bridge
+
+   !> New tiles of all bodies on one lattice, body by body.
+   pure subroutine tile_bodies(model, tiling, owner, has_failed, offset, cuts)
+      type(model_type), intent(in) :: model
+      type(tiling_type), intent(out) :: tiling
+      integer, allocatable, intent(out) :: owner(:)
+      logical, intent(out) :: has_failed
+      !> Offset of the lattice from the nodes of the grid, over its spacing.
+      real(wp), intent(in) :: offset(2)
       type(cut_type), intent(in), optional :: cuts(:)
       type(interfaces_type) :: interfaces
       real(wp), allocatable :: vertices(:, :, :), all_vertices(:, :, :)
@@ -68,7 +109,7 @@ contains
       allocate (owner(0), field(0), all_vertices(2, 4, 0))
       do k = 1, maxval(piece)
          b = model%points%body(findloc(piece, k, dim=1))
-         call tile_piece(vertices, model, b, piece == k, interfaces, lies_over, cuts)
+         call tile_piece(vertices, model, b, piece == k, interfaces, offset, lies_over, cuts)
          do_lie_over = do_lie_over .or. lies_over
          all_vertices = reshape([all_vertices, vertices], [2, 4, size(owner) + size(vertices, 3)])
          owner = [owner, spread(b, 1, size(vertices, 3))]
@@ -84,7 +125,7 @@ contains
          call corner_gradients(tiling%position(:, tiling%corner(:, p)), gradient, area)
          has_failed = has_failed .or. .not. area > 0.0_wp
       end do
-   end subroutine make_tiles
+   end subroutine tile_bodies
 
    !> Pieces that are tiled by themselves: bodies, or parts of those whose surfaces press and rub,
    !> unless other bodies are bonded to them.
@@ -114,7 +155,7 @@ contains
    end subroutine find_pieces
 
    !> New tiles of a piece.
-   pure subroutine tile_piece(vertices, model, b, is_mine, interfaces, lies_over, cuts)
+   pure subroutine tile_piece(vertices, model, b, is_mine, interfaces, offset, lies_over, cuts)
       !> Corners of the tiles, shape (2, 4, n).
       real(wp), allocatable, intent(out) :: vertices(:, :, :)
       type(model_type), intent(in) :: model
@@ -122,6 +163,8 @@ contains
       integer, intent(in) :: b
       logical, intent(in) :: is_mine(:)
       type(interfaces_type), intent(in) :: interfaces
+      !> See `tile_bodies`.
+      real(wp), intent(in) :: offset(2)
       !> Do tiles lie over each other where the outline does not?
       logical, intent(out) :: lies_over
       type(cut_type), intent(in), optional :: cuts(:)
@@ -144,7 +187,7 @@ contains
       else if (size(plates) > 0) then
          call open_slits(outline, shift, minval(edge), plates)
       end if
-      call tile_outline(outline, model%grid%origin, edge, vertices)
+      call tile_outline(outline, model%grid%origin + offset*edge, edge, vertices)
       if (allocated(shift)) call close_slits(vertices, outline, shift, minval(edge))
       call settle_corners(vertices, model, is_mine, interfaces, depth, cuts)
       lies_over = depth > tolerated*model%grid%smallest_spacing()
