@@ -47,8 +47,8 @@ module coulter_retile_new_tiles
 
 contains
 
-   !> New tiles of all bodies. Where those on the nodes of the grid do not fit, or bridge the gap that a
-   !> tool is in, others are tried, and in the end bridges are put up with.
+   !> New tiles of all bodies. Where bodies are cut, and tiles on the nodes of the grid do not fit or
+   !> bridge the gap that a tool is in, others are tried; in the end bridges are put up with.
    pure subroutine make_tiles(model, tiling, owner, has_failed, cuts)
       !> Scene between two steps.
       type(model_type), intent(in) :: model
@@ -65,12 +65,11 @@ contains
 
       do k = 1, size(offsets, 2)
          call tile_bodies(model, tiling, owner, has_failed, offsets(:, k), cuts)
-         if (.not. has_failed .and. present(cuts)) has_failed = do_bridge(tiling, cuts, &
-                                                                model%grid%smallest_spacing())
-         if (.not. has_failed) return
+         if (.not. present(cuts)) return
+         if (.not. has_failed) has_failed = do_bridge(tiling, cuts, model%grid%smallest_spacing())
+         if (.not. has_failed .or. size(cuts) == 0) return
       end do
-      if (.not. present(cuts)) return
-      if (size(cuts) > 0) call tile_bodies(model, tiling, owner, has_failed, offsets(:, 1), cuts)
+      call tile_bodies(model, tiling, owner, has_failed, offsets(:, 1), cuts)
    end subroutine make_tiles
 
    !> Is a corner of a tool in a tile before which bodies are cut?
