@@ -19,6 +19,8 @@ module coulter_retile_leads
    real(wp), parameter :: cut_in = 0.009_wp
    !> By how much roots are to be passed, over the spacing.
    real(wp), parameter :: short = 0.0075_wp
+   !> Share of the way of a root behind a face that is left out.
+   real(wp), parameter :: left_out = 0.5_wp
    !> Corners of bodies this near to where the root of a cut must be are the root, over the spacing.
    real(wp), parameter :: near = 0.05_wp
 
@@ -99,8 +101,9 @@ contains
          + max(0.0_wp, 1.0_wp - short*model%grid%smallest_spacing()/norm2(way))*way
    end subroutine place_cut
 
-   !> Roots behind the face along which a tool slides would let it press on soil that it must push
-   !> aside, which then moves so that the next root is there again.
+   !> Roots behind the face along which a tool slides let it press on soil that it must push aside,
+   !> which then moves so that the next root would be there again: half of that motion is not
+   !> believed, so that what is not soil's own dies out.
    pure subroutine stay_in_front(cut, model)
       type(cut_type), intent(inout) :: cut
       type(model_type), intent(in) :: model
@@ -113,8 +116,8 @@ contains
                              normal)
       end associate
       do k = 1, 2
-         cut%place = cut%place - min(0.0_wp, dot_product(normal(:, k), cut%place - cut%tip)) &
-            *normal(:, k)
+         cut%place = cut%place - left_out*min(0.0_wp, dot_product(normal(:, k), &
+                                                                  cut%place - cut%tip))*normal(:, k)
       end do
    end subroutine stay_in_front
 

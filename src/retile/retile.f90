@@ -198,8 +198,10 @@ contains
       call find_stresses(model, points, has_failed)
       if (has_failed) return
       if (allocated(system%cuts) .and. .not. allocated(system%kept_tiles)) then
-         allocate (system%kept_tiles)
-         call keep_tiles(system%kept_tiles, model, system)
+         if (.not. any(system%cuts%goes_in)) then
+            allocate (system%kept_tiles)
+            call keep_tiles(system%kept_tiles, model, system)
+         end if
       end if
       call carry_held_edges(held, tiling, system%held_edges, model%tiling)
       call carry_loaded_edges(loaded, tiling, system%loaded_edges, model%tiling)

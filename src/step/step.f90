@@ -54,8 +54,11 @@ contains
       ! Newton's method leaves out the last tangent where it can
       if (model%control%has_condition) call assemble(system, model, failed_point)
       call system%watch%start(phase_accept)
-      if (allocated(system%cuts)) call note_motions(system, model)
       if (allocated(model%tiling)) call check_passage(model, system, failure)
+      ! a step in which a tip has only gone too far tells what soil did, others that are refused do not
+      if (allocated(system%cuts) .and. (system%must_recut .or. .not. allocated(failure))) then
+         call note_motions(system, model)
+      end if
       if (allocated(model%tiling)) call find_meetings(system, model, failure)
       if (allocated(system%surfaces)) call check_sliding(system, model, failure)
       if (.not. allocated(failure)) call accept_step(model, system, failure)
