@@ -20,7 +20,7 @@ module coulter_retile_leads
    !> By how much roots are to be passed, over the spacing.
    real(wp), parameter :: short = 0.0075_wp
    !> Share of the way of a root behind a face that is left out.
-   real(wp), parameter :: left_out = 0.5_wp
+   real(wp), parameter :: left_out = 0.25_wp
    !> Corners of bodies this near to where the root of a cut must be are the root, over the spacing.
    real(wp), parameter :: near = 0.05_wp
 
@@ -102,7 +102,7 @@ contains
    end subroutine place_cut
 
    !> Roots behind the face along which a tool slides let it press on soil that it must push aside,
-   !> which then moves so that the next root would be there again: half of that motion is not
+   !> which then moves so that the next root would be there again: a part of that motion is not
    !> believed, so that what is not soil's own dies out.
    pure subroutine stay_in_front(cut, model)
       type(cut_type), intent(inout) :: cut
