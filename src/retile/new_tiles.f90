@@ -47,8 +47,8 @@ module coulter_retile_new_tiles
 
 contains
 
-   !> New tiles of all bodies. Where bodies are cut, and tiles on the nodes of the grid do not fit or
-   !> bridge the gap that a tool is in, others are tried; in the end bridges are put up with.
+   !> New tiles of all bodies. Where bodies are cut and tiles on the nodes of the grid do not fit
+   !> or bridge the gap that a tool is in, others are tried; in the end bridges are put up with.
    pure subroutine make_tiles(model, tiling, owner, has_failed, cuts)
       !> Scene between two steps.
       type(model_type), intent(in) :: model

@@ -55,7 +55,7 @@ contains
       if (model%control%has_condition) call assemble(system, model, failed_point)
       call system%watch%start(phase_accept)
       if (allocated(model%tiling)) call check_passage(model, system, failure)
-      ! a step in which a tip has only gone too far tells what soil did, others that are refused do not
+      ! a step in which a tip has gone too far tells what soil did, others that are refused do not
       if (allocated(system%cuts) .and. (system%must_recut .or. .not. allocated(failure))) then
          call note_motions(system, model)
       end if

@@ -31,9 +31,9 @@ N_ENDS = {"indentation/wedge": 2}
 #: points only, and corners give beside the bucket in four of its steps, beside the sled, with some
 #: round-off, in one.
 DEPTHS = {"wedge/paper": 0.1, "bucket/bucket": 0.125, "hinge/hinge": 0.025}
-#: The same for corners of tools in bodies, where tools turn: clay that closes in behind the fluke
-#: passes one in its last step, and one of the bucket is 0.04 in after one step with some round-off.
-TIPS = {"anchor/fluke": 0.1, "bucket/bucket": 0.1}
+#: The same for corners of tools in bodies: one of the bucket, which turns, is 0.046 in after one step
+#: with some round-off, in which new tiles bring no root to the cut before it.
+TIPS = {"bucket/bucket": 0.1}
 
 
 def run(deck, folder, n_steps):
