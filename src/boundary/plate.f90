@@ -9,9 +9,12 @@ module coulter_boundary_plate
    private
    public :: find_plates, find_thicknesses, is_beside
 
-   !> Faces are two sides of a plate if the product of their normals is below this, and they are
-   !> nearer than this, over the spacing: thicker ones do as well with nodes in common.
-   real(wp), parameter :: opposed = -0.95_wp, thickest = 1.15_wp
+   !> Faces are two sides of a plate if the product of their normals is below this: behind tips,
+   !> which are less slender, what shares nodes presses openly.
+   real(wp), parameter, public :: opposed = -0.95_wp
+   !> They are sides of one if they are nearer than this, too, over the spacing: thicker tools do as
+   !> well with nodes in common.
+   real(wp), parameter :: thickest = 1.15_wp
    !> What is this near to a side of a plate shares nodes with what is on the other, over the
    !> spacing.
    real(wp), parameter, public :: beside_plate = 2.0_wp

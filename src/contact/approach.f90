@@ -8,7 +8,7 @@ module coulter_contact_approach
    use coulter_boundary_motion, only: largest_shift, motion_type
    use coulter_boundary_plate, only: find_plates, find_thicknesses
    use coulter_contact, only: contacts_type, end_slack
-   use coulter_contact_cut, only: cut_type
+   use coulter_contact_cut, only: cut_type, open_tip_type
    use coulter_contact_round_tip, only: add_round_tips
    use coulter_contact_tip, only: find_tips, tip_type
    use coulter_points_tiling, only: tiling_type
@@ -99,7 +99,7 @@ contains
       type(contacts_type), intent(inout) :: contacts
       !> What boundaries do.
       type(approach_type), intent(in) :: approach(:)
-      integer, allocatable :: list(:)
+      type(open_tip_type), allocatable :: list(:)
       integer :: b, i
 
       allocate (list(0))
@@ -108,11 +108,11 @@ contains
             associate (tip => approach(b)%tips(i))
                ! rounded corners have no tiles cut ahead
                if (tip%is_round .or. .not. any(tip%is_open)) cycle
-               list = [list, b, tip%vertex, merge(1, 0, tip%cuts)]
+               list = [list, open_tip_type(b, tip%vertex, tip%cuts)]
             end associate
          end do
       end do
-      if (size(list) > 0) contacts%open_tips = reshape(list, [3, size(list)/3])
+      if (size(list) > 0) contacts%open_tips = list
    end subroutine list_open_tips
 
    !> Where a face of another tool carries on from the end of a face, that is not open: the body

@@ -17,7 +17,6 @@ module coulter_contact_beside_tips
    real(wp), parameter :: facing = 0.3_wp
    !> What came round a corner of a tool by less than this is pushed out at once, over the spacing.
    real(wp), parameter :: round_slack = 0.02_wp
-
    !> Beside a corner that cuts in with both faces, the root of the cut does not go with them, and
    !> what they press there moves nothing: it carries this share of what linear functions give.
    real(wp), parameter :: share_of_root = 0.5_wp

@@ -7,6 +7,7 @@ module coulter_contact
    use coulter_base_kinds, only: wp
    use coulter_boundary_face, only: face_type
    use coulter_boundary_motion, only: motion_type, moved_by
+   use coulter_contact_cut, only: open_tip_type
    use coulter_points_tiling, only: tiling_type
    implicit none(type, external)
    private
@@ -82,10 +83,8 @@ module coulter_contact
       integer :: n = 0
       !> The stations; only the first `n` are meaningful.
       type(contact_type), allocatable :: item(:)
-      !> Corners of tools beside which faces end openly in the step: numbers of boundary and vertex,
-      !> and 1 if both faces press what it parts, else 0, shape (3, n_tips); unallocated where there
-      !> is none.
-      integer, allocatable :: open_tips(:, :)
+      !> Corners of tools beside which faces end openly in the step; unallocated where there is none.
+      type(open_tip_type), allocatable :: open_tips(:)
    end type contacts_type
 
    !> A face reaches this far beyond its ends, over the spacing: a corner that sits at an end must

@@ -4,14 +4,18 @@ module coulter_contact_cut
    use coulter_base_kinds, only: wp
    implicit none(type, external)
    private
-   public :: cut_type
+   public :: open_tip_type, cut_type
 
-   !> A corner of a tool that parts material, and the root of the cut before it.
-   type :: cut_type
+   !> A corner of a tool that parts material.
+   type :: open_tip_type
       !> Number of the tool, and of its vertex.
       integer :: boundary = 0, vertex = 0
       !> Do both of its faces press what it parts?
       logical :: goes_in = .false.
+   end type open_tip_type
+
+   !> Such a corner, and the root of the cut before it.
+   type, extends(open_tip_type) :: cut_type
       !> Where the vertex is now, length units.
       real(wp) :: tip(2) = 0.0_wp
       !> Where the root must be now for the vertex to reach it at the end of the next step.

@@ -9,7 +9,7 @@ module coulter_retile_leads
    use coulter_system, only: system_type
    use coulter_system_contact_state, only: whole_motion
    use coulter_contact_cut, only: cut_type
-   use coulter_contact_tip, only: look_at_corner
+   use coulter_contact_tip, only: faces_at, look_at_corner
    implicit none(type, external)
    private
    public :: look_ahead, next_time, are_cuts_due, note_roots, note_motions
@@ -63,11 +63,9 @@ contains
       allocate (last(0))
       if (allocated(system%cuts)) last = system%cuts
       if (allocated(system%cuts)) deallocate (system%cuts)
-      allocate (system%cuts(size(system%contacts%open_tips, 2)))
+      allocate (system%cuts(size(system%contacts%open_tips)))
       do i = 1, size(system%cuts)
-         system%cuts(i)%boundary = system%contacts%open_tips(1, i)
-         system%cuts(i)%vertex = system%contacts%open_tips(2, i)
-         system%cuts(i)%goes_in = system%contacts%open_tips(3, i) > 0
+         system%cuts(i)%open_tip_type = system%contacts%open_tips(i)
          call place_cut(system%cuts(i), last, system, model, end_time)
       end do
    end subroutine look_ahead
@@ -111,9 +109,8 @@ contains
       logical :: is_sharp
       integer :: k
 
-      associate (tool => model%boundaries(cut%boundary), v => cut%vertex)
-         call look_at_corner(tool, [merge(v - 1, size(tool%vertices, 2) - 1, v > 1), v], is_sharp, &
-                             normal)
+      associate (tool => model%boundaries(cut%boundary))
+         call look_at_corner(tool, faces_at(tool, cut%vertex), is_sharp, normal)
       end associate
       do k = 1, 2
          cut%place = cut%place - left_out*min(0.0_wp, dot_product(normal(:, k), &

@@ -107,7 +107,7 @@ contains
       type(system_type), intent(inout) :: system
       !> When the step will end.
       real(wp), intent(in) :: end_time
-      type(kept_tiles_type), allocatable :: present
+      type(kept_tiles_type), allocatable :: latest
       logical :: has_failed, has_roots
 
       if (.not. (allocated(model%tiling) .and. model%control%may_retile)) return
@@ -121,13 +121,13 @@ contains
       ! roots may also be too far ahead for a step that has been halved
       if (has_roots .or. are_cuts_due(system, model)) then
          if (allocated(system%kept_tiles)) then
-            allocate (present)
-            call keep_tiles(present, model, system)
+            allocate (latest)
+            call keep_tiles(latest, model, system)
             call bring_back(system%kept_tiles, model, system)
          end if
          call retile_model(model, system, has_failed)
-         if (has_failed .and. allocated(present)) then
-            call bring_back(present, model, system)
+         if (has_failed .and. allocated(latest)) then
+            call bring_back(latest, model, system)
             call retile_model(model, system, has_failed)
          end if
          system%is_set_up = .false.

@@ -8,6 +8,7 @@ module coulter_step_passage
    use coulter_boundary, only: boundary_type
    use coulter_boundary_face, only: face_type, new_face, place_on, place_type
    use coulter_boundary_motion, only: motion_type, moved_by
+   use coulter_contact_cut, only: cut_type, open_tip_type
    use coulter_model, only: model_type
    use coulter_points_tiling, only: depth_in_tiles, tiling_type
    use coulter_system, only: system_type
@@ -119,7 +120,7 @@ contains
       type(system_type), intent(inout) :: system
       character(len=:), allocatable, intent(inout) :: failure
       type(tiling_type) :: tiling
-      integer, allocatable :: tips(:, :)
+      type(open_tip_type), allocatable :: tips(:)
       real(wp) :: tip(2), most
       integer :: i
 
@@ -128,45 +129,38 @@ contains
       tiling = model%tiling
       tiling%position = tiling%position + system%map%increment
       most = cut_in*model%grid%smallest_spacing()
-      do i = 1, size(tips, 2)
-         associate (place => model%boundaries(tips(1, i))%vertices(:, tips(2, i)))
-            tip = moved_by(whole_motion(system, model, tips(1, i)), place)
+      do i = 1, size(tips)
+         associate (place => model%boundaries(tips(i)%boundary)%vertices(:, tips(i)%vertex))
+            tip = moved_by(whole_motion(system, model, tips(i)%boundary), place)
             if (norm2(tip - place) <= shortest*most) cycle
          end associate
          if (depth_in_tiles(tiling, tip, system%held_edges%boundary == 0) <= most) cycle
          system%must_recut = .true.
-         failure = name_of(model%boundaries(tips(1, i)))//" would cut into a tile near (" &
+         failure = name_of(model%boundaries(tips(i)%boundary))//" would cut into a tile near (" &
             //to_text(tip)//")"
          return
       end do
    end subroutine check_tips
 
-   !> Corners of tools before which tiles are, or can be, cut: boundary and vertex of each. Nothing
-   !> helps where new tiles have not brought a root.
+   !> Corners of tools before which tiles are, or can be, cut. Nothing helps where new tiles have not
+   !> brought a root.
    pure function tips_to_check(model, system) result(tips)
       type(model_type), intent(in) :: model
       type(system_type), intent(in) :: system
-      integer, allocatable :: tips(:, :)
-      integer, allocatable :: list(:)
+      type(open_tip_type), allocatable :: tips(:)
+      type(cut_type), allocatable :: cuts(:)
       integer :: i
 
-      allocate (list(0))
-      if (allocated(system%cuts)) list = [(system%cuts(i)%boundary, system%cuts(i)%vertex, &
-                                           i=1, size(system%cuts))]
-      tips = reshape(list, [2, size(list)/2])
-      if (allocated(system%contacts%open_tips) .and. model%control%may_retile) then
-         do i = 1, size(system%contacts%open_tips, 2)
-            associate (tip => system%contacts%open_tips(:2, i))
-               if (any(tips(1, :) == tip(1) .and. tips(2, :) == tip(2))) cycle
-               tips = reshape([tips, tip], [2, size(tips, 2) + 1])
-            end associate
-         end do
-      end if
-      if (.not. allocated(system%cuts) .or. system%n_recuts == 0) return
-      associate (n => size(system%cuts))
-         tips = tips(:, pack([(i, i=1, size(tips, 2))], &
-                             [system%cuts%corner > 0, (.true., i=n + 1, size(tips, 2))]))
-      end associate
+      allocate (cuts(0))
+      if (allocated(system%cuts)) cuts = system%cuts
+      tips = pack(cuts%open_tip_type, cuts%corner > 0 .or. system%n_recuts == 0)
+      if (.not. (allocated(system%contacts%open_tips) .and. model%control%may_retile)) return
+      do i = 1, size(system%contacts%open_tips)
+         associate (tip => system%contacts%open_tips(i))
+            if (any(cuts%boundary == tip%boundary .and. cuts%vertex == tip%vertex)) cycle
+            tips = [tips, tip]
+         end associate
+      end do
    end function tips_to_check
 
    !> Faces of a boundary at the end of the step.

@@ -4,6 +4,7 @@ module coulter_step_thin_tools
    use coulter_base_kinds, only: wp
    use coulter_base_text, only: to_text
    use coulter_boundary_face, only: place_on, place_type
+   use coulter_boundary_plate, only: opposed
    use coulter_contact, only: contacts_type
    use coulter_model, only: model_type
    use coulter_model_observer, only: add_warning, step_report_type
@@ -16,9 +17,6 @@ module coulter_step_thin_tools
    !> Tools with bodies on both sides are named below this thickness, over the spacing; they are
    !> there if corners of them are this near to its faces.
    real(wp), parameter :: thinnest = 1.2_wp, near = 0.5_wp
-   !> Faces are two sides of a plate if the product of their normals is below this; behind tips,
-   !> which are less slender, what shares nodes presses openly.
-   real(wp), parameter :: opposed = -0.95_wp
 
 contains
 
