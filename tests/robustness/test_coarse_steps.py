@@ -81,6 +81,13 @@ def test_three_tools_in_steps_of_most_of_a_cell(tmp_path):
     assert history["works"][-1, 3:] == pytest.approx(WORKS, rel=0.07)
 
 
+def test_three_tools_in_steps_of_a_tenth_of_a_cell(tmp_path):
+    history = run(SCENE.replace("count = 10", "count = 64"), tmp_path)
+    assert len(history["works"]) == 64
+    assert history["penetrations"].max() <= 0.02 * 0.25
+    assert history["works"][-1, 3:] == pytest.approx(WORKS, rel=0.02)
+
+
 def test_block_turns_with_the_plate_that_it_sticks_to(tmp_path):
     history = run(BLOCK, tmp_path)
     assert history["penetrations"].max() <= 0.02 * 0.25
