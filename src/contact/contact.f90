@@ -83,7 +83,7 @@ module coulter_contact
       integer :: n = 0
       !> The stations; only the first `n` are meaningful.
       type(contact_type), allocatable :: item(:)
-      !> Corners of tools beside which faces end openly in the step; unallocated where there is none.
+      !> Corners of tools beside which faces end openly in the step; unallocated where none do.
       type(open_tip_type), allocatable :: open_tips(:)
    end type contacts_type
 

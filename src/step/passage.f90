@@ -142,8 +142,8 @@ contains
       end do
    end subroutine check_tips
 
-   !> Corners of tools before which tiles are, or can be, cut. Nothing helps where new tiles have not
-   !> brought a root.
+   !> Corners of tools before which tiles are, or can be, cut. Nothing helps where new tiles have
+   !> not brought a root.
    pure function tips_to_check(model, system) result(tips)
       type(model_type), intent(in) :: model
       type(system_type), intent(in) :: system
